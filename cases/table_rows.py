@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from ..core.checks import shown
 from ..core.errors import InputError, printable, shortened, suggestion
 from ..core.regular_file import LINE_LENGTH_LIMIT, TOML_SIZE_LIMIT, named, read_text
-from ..geometry.formats.separated_text import cells, comment, excerpt, separator
+from ..geometry.formats.csv_points import cells, comment, excerpt, separator
 from .mistakes import LINE_COUNT_LIMIT, mistakes
 from .schema.schema_table import Table, extra_of
 

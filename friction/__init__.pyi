@@ -1,5 +1,10 @@
 from .coefficient import COEFFICIENTS as COEFFICIENTS, friction_coefficient as friction_coefficient
-from .conditions import ContactConditions as ContactConditions
+from .conditions import (
+    FILM_FACTORS as FILM_FACTORS,
+    FILMS as FILMS,
+    THERMAL_FACTORS as THERMAL_FACTORS,
+    ContactConditions as ContactConditions,
+)
 from .contact_temperature import (
     MatchedBand as MatchedBand,
     blok_flash_temperature as blok_flash_temperature,
@@ -8,16 +13,16 @@ from .contact_temperature import (
 )
 from .efficiency import friction as friction
 from .feedback import friction_feedback as friction_feedback
-from .film_thickness import FILM_FACTORS as FILM_FACTORS, FILMS as FILMS, THERMAL_FACTORS as THERMAL_FACTORS
 from .kolivand_formula import formula_flags as formula_flags
-from .lubricants.data_sheet import data_sheet_lubricant as data_sheet_lubricant, write_lubricant as write_lubricant
+from .losses import rolling_traction as rolling_traction
 from .lubricants.lubricant import (
     Lubricant as Lubricant,
     OilState as OilState,
     available_lubricants as available_lubricants,
+    data_sheet_lubricant as data_sheet_lubricant,
     lubricant as lubricant,
+    write_lubricant as write_lubricant,
 )
 from .operation import FrictionModel as FrictionModel, Operation as Operation
-from .rolling_traction import rolling_traction as rolling_traction
 
 __all__: list[str]

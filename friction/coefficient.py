@@ -19,15 +19,15 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ..core.arrays import Array
 from ..core.checks import array, number, shown
 from ..core.errors import InputError
 from .conditions import STEEL_MODULUS, ContactConditions
 from .kolivand_formula import Flags, combined_flags, formula_coefficient, formula_flags
 from .lubricants.lubricant import Lubricant, OutOfRange, lubricant
 
-Array = NDArray[Any]
 CoefficientModel = Callable[[ContactConditions], Array]
 CONSTANT_COEFFICIENT = 0.05  # Coleman, Machine Design 47, 1975
 DEFAULT_COEFFICIENT = "kolivand_blended"

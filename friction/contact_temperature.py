@@ -7,8 +7,6 @@ that flank relative to the contact line, and divides so that both flanks have on
 Theoretical study of temperature rise at surfaces of actual contact under oiliness lubricating conditions, Proceedings
 of the General Discussion on Lubrication, Institution of Mechanical Engineers, vol. 2, 1937, 222-235).
 
-Greatest flash temperature and pressure times velocity of a mesh cycle, at every operating condition.
-
 Surface temperature under a band of heat that moves over a half space (Jaeger 1942).
 
 J. C. Jaeger, Moving sources of heat and the temperature at sliding contacts, Journal and Proceedings of the Royal
@@ -31,88 +29,18 @@ equally warm in its middle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
-import xarray as xr
 from numpy.polynomial import chebyshev
-from numpy.typing import ArrayLike, NDArray
-from scipy.special import ellipe, ellipk, k0e, kve
+from numpy.typing import ArrayLike
+from scipy.special import ellipe, k0e, kve
 
+from ..core.arrays import Array
 from ..core.checks import array, frozen_arrays, instances, positive, two, whole
-from .thermal_material import ThermalMaterial
-
-Array = NDArray[Any]
-OVER = ("torque", "speed", "temperature", "roughness")
-
-
-class HeatedBlock(Protocol):
-    """Flash temperatures of a block of contacts, as ``Losses`` has them."""
-
-    @property
-    def contacts(self) -> slice:
-        """Which contacts."""
-
-    @property
-    def flash_temperature(self) -> Array:
-        """[K] (speed, temperature, roughness, c)."""
-
-    @property
-    def pressure_velocity(self) -> Array:
-        """[W/m^2] (speed, 1, 1, c)."""
-
-
-@dataclass
-class HottestContacts:
-    """The hottest contact over (torque, speed, temperature, roughness), found a block of contacts at a time."""
-
-    shape: tuple[int, int, int, int]
-    flash: Array = field(init=False)
-    contact: NDArray[np.int64] = field(init=False)
-    pressure_velocity: Array = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.flash, self.pressure_velocity = np.full(self.shape, -np.inf), np.full(self.shape, -np.inf)
-        self.contact = np.zeros(self.shape, dtype=np.int64)
-
-    def add(self, torque: NDArray[np.int64], block: HeatedBlock) -> None:
-        """Add a block of contacts by their sorted torque numbers (c); a flash temperature of NaN does not count."""
-        starts = np.flatnonzero(np.diff(torque, prepend=-1))
-        flash, product = (
-            np.where(np.isnan(values), -np.inf, values) for values in (block.flash_temperature, block.pressure_velocity)
-        )
-        for start, end in zip(starts, [*starts[1:], torque.size], strict=True):
-            at = torque[start]
-            hottest = np.argmax(flash[..., start:end], axis=-1)
-            greatest = np.take_along_axis(flash[..., start:end], hottest[..., None], axis=-1)[..., 0]
-            hotter = greatest > self.flash[at]
-            self.flash[at] = np.where(hotter, greatest, self.flash[at])
-            self.contact[at] = np.where(hotter, block.contacts.start + start + hottest, self.contact[at])
-            self.pressure_velocity[at] = np.maximum(self.pressure_velocity[at], product[..., start:end].max(axis=-1))
-
-    def variables(self, loaded: xr.Dataset, index: NDArray[np.int64], bulk_temperature: Array) -> dict[str, Any]:
-        """Variables of the group ``/friction``, NaN where no contact line carries; bulk temperature in [degC].
-
-        Contacts are numbered by torque, mesh position and segment (3, n), which come first in ``/loaded``.
-        """
-        known = np.isfinite(self.flash)
-        values: dict[str, Array] = {
-            "max_flash_temperature": self.flash,
-            "max_contact_temperature": self.flash + bulk_temperature[:, None],
-            "max_pressure_velocity": 1e-6 * self.pressure_velocity,
-        }
-        if index.size:
-            at = tuple(index[:, self.contact])
-            values["max_flash_position"] = loaded["mesh_position"].values[at[1]]
-            for name in ("lengthwise", "profile"):
-                values[f"max_flash_{name}"] = loaded[name].values[at]
-        else:
-            nowhere = ("position", "lengthwise", "profile")
-            values |= {f"max_flash_{name}": np.full(self.shape, np.nan) for name in nowhere}
-        return {name: (OVER, np.where(known, value, np.nan)) for name, value in values.items()}
-
+from .operation import ThermalMaterial
 
 Distribution = Literal["elliptic", "uniform"]
 STEP, REACH = 0.05, 3.6  # of the double exponential rule
@@ -148,46 +76,6 @@ def band_temperature(position: Array, peclet: Array, distribution: Distribution 
         kernel = k0e(number * distance) * (1.0 if side > 0.0 else np.exp(-2.0 * number * distance))
         total = total + np.sum(heat * kernel * weight * reach, axis=-1)
     return np.asarray(total / np.pi)
-
-
-def uniform_band(position: Array, peclet: Array) -> Array:
-    """Temperature (...) within a uniform band at any Peclet number, in closed form; see ``band_temperature``.
-
-    From the integral of exp(z) K0(|z|), which is z exp(z) (K0(|z|) + sign(z) K1(|z|)).
-    """
-    behind, ahead = peclet * (1.0 + position), peclet * (1.0 - position)
-    with np.errstate(invalid="ignore"):
-        first, second = (
-            np.where(z > 0.0, z * (kve(0, z) + sign * kve(1, z)) * (1.0 if sign > 0 else np.exp(-2.0 * z)), sign)
-            for z, sign in ((behind, 1.0), (ahead, -1.0))
-        )
-    return np.asarray((first + second) / (2.0 * np.pi * peclet))
-
-
-def fast_band(position: Array, distribution: Distribution = "elliptic") -> Array:
-    """Limit of the temperature times the root of the Peclet number, for large ones, in closed form (...).
-
-    Heat flows straight into the material. With m = (1 + xi)/2, uniform sqrt(m/pi); elliptic 8/(3 pi^1.5) [(2 m - 1) E +
-    (1 - m) K] with complete elliptic integrals of the parameter m.
-    """
-    m = 0.5 * (1.0 + np.asarray(position, float))
-    if distribution == "uniform":
-        return np.sqrt(m / np.pi)
-    with np.errstate(invalid="ignore"):
-        tail = np.where(m < 1.0, (1.0 - m) * ellipk(m), 0.0)
-    return np.asarray(8.0 / (3.0 * np.pi**1.5) * ((2.0 * m - 1.0) * ellipe(m) + tail))
-
-
-def slow_band(position: Array, peclet: Array, distribution: Distribution = "elliptic") -> Array:
-    """Limit of the temperature for small Peclet numbers, in closed form (...).
-
-    Elliptic, [ln(4/L) - gamma + 1/2 - xi^2]/pi; uniform, [ln(2/L) - gamma + 1 - sum of (1 +- xi) ln(1 +- xi)/2]/pi.
-    """
-    xi = np.asarray(position, float)
-    if distribution == "elliptic":
-        return np.asarray((np.log(4.0 / peclet) - np.euler_gamma + 0.5 - xi**2) / np.pi)
-    ends = sum(0.5 * (1.0 + side * xi) * np.log(np.maximum(1.0 + side * xi, 1e-300)) for side in (1.0, -1.0))
-    return np.asarray((np.log(2.0 / peclet) - np.euler_gamma + 1.0 - ends) / np.pi)
 
 
 #: Parameter m at which K(m) = 2 E(m): there the fast elliptic band is hottest, at 2 m - 1 = 0.652 of the half width.

@@ -1,4 +1,7 @@
-"""Power loss and efficiency of a pair, from a stored result: the group ``/friction``."""
+"""Power loss and efficiency of a pair, from a stored result: the group ``/friction``.
+
+Least film thickness of a mesh cycle, and where it is.
+"""
 
 from __future__ import annotations
 
@@ -7,20 +10,17 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.attributes import labelled
 from ..core.checks import instance
 from .coefficient import CoefficientModel
-from .contact_temperature import HottestContacts
 from .kolivand_formula import FLAGS, LossShares
-from .least_film import with_least_film
 from .loaded_contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
-from .losses import losses
+from .losses import HottestContacts, losses
 from .lubricants.lubricant import lubricant
 from .operation import FrictionModel, Operation, checked_model
 
-Array = NDArray[Any]
 KEPT_VALUES_LIMIT = 3_000_000  # of a field over segments that is kept without being asked for
 FORMULA_OIL = "75w90"  # of the dissertation's formula
 OIL_TOLERANCE = 0.02  # of viscosity and pressure-viscosity coefficient, within which an oil is the formula's
@@ -238,3 +238,32 @@ def _made_for_another_oil(operation: Operation, model: FrictionModel) -> bool:
         bool(np.any(np.abs(getattr(given, name) / getattr(of_formula, name) - 1.0) > OIL_TOLERANCE))
         for name in ("viscosity", "pressure_viscosity")
     )
+
+
+def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
+    """The group ``/friction`` with the least film over the mesh cycle, if its fields over the segments were kept."""
+    if "film_thickness" not in friction:
+        return friction
+    film = friction["film_thickness"].transpose("mesh_position", "segment", "torque", ...)
+    flat = np.where(np.isfinite(film.values), film.values, np.inf).reshape(-1, *film.shape[2:])
+    least = np.argmin(flat, axis=0)
+    known = np.isfinite(flat.min(axis=0))
+    position, segment = np.unravel_index(least, film.shape[:2])
+    dims = film.dims[2:]
+    torque = np.arange(film.sizes["torque"]).reshape(-1, *(1,) * (least.ndim - 1))
+    table = loaded[["lengthwise", "profile"]].transpose("torque", "mesh_position", "segment")
+    points = {f"min_film_{name}": table[name].values[torque, position, segment] for name in ("lengthwise", "profile")}
+    numbers = {
+        "min_film_thickness": flat.min(axis=0),
+        "min_film_position": loaded["mesh_position"].values[position],
+        **points,
+    }
+    conditions = friction["efficiency"]
+    # Without feedback the film is the same at every roughness.
+    missing = len(conditions.dims) - len(dims)
+    variables = {}
+    for name, value in numbers.items():
+        known_value = np.where(known, value, np.nan)
+        spread = np.broadcast_to(known_value.reshape(*known_value.shape, *[1] * missing), conditions.shape)
+        variables[name] = (conditions.dims, spread.copy())
+    return labelled(friction.assign(variables))

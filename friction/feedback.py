@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,16 +22,15 @@ from numpy.typing import NDArray
 from ..contact.line_contact.line_contact_law import solve_line_contacts
 from ..contact.loaded import LoadedCase
 from ..contact.solvers import SolverChoice, Status
+from ..core.arrays import Array
 from ..core.attributes import labelled
 from ..core.checks import instance, instances
 from .coefficient import CoefficientModel
-from .efficiency import OPERATION, friction
-from .least_film import with_least_film
+from .efficiency import OPERATION, friction, with_least_film
 from .loaded_contacts import LoadedContacts, loaded_contacts, loaded_segments, potential_segments
 from .losses import losses
 from .operation import FrictionModel, Operation, checked_model
 
-Array = NDArray[Any]
 ITERATION_LIMIT = 30
 TORQUE_TOLERANCE = 1e-11  # of the torque
 
@@ -193,14 +191,8 @@ def friction_feedback(
     def joined(results: list[xr.Dataset], dimension: str) -> xr.Dataset:
         return xr.concat(results, dimension, data_vars="minimal", coords="minimal", compat="override", join="override")
 
-    result = joined(
-        [
-            joined(
-                [joined([at(s, t, r) for r in operation.roughnesses], "roughness") for t in operation.temperatures],
-                "temperature",
-            )
-            for s in operation.speeds
-        ],
-        "speed",
-    )
-    return labelled(result)
+    def at_speed(speed: float) -> xr.Dataset:
+        each = [joined([at(speed, t, r) for r in operation.roughnesses], "roughness") for t in operation.temperatures]
+        return joined(each, "temperature")
+
+    return labelled(joined([at_speed(speed) for speed in operation.speeds], "speed"))

@@ -23,10 +23,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import array, instance
 from .conditions import ContactConditions
 
-Array = NDArray[Any]
 Flags = NDArray[np.uint16]
 
 #: Flags of all formulas: an input is clamped to the end of its range, or the formula continued beyond it.
@@ -209,10 +209,15 @@ def _step(log_ratio: Array, window: tuple[float, float]) -> Array:
     return np.asarray(share**2 * (3.0 - 2.0 * share))
 
 
+def _roughnesses(conditions: ContactConditions) -> tuple[Array, Array]:
+    """Roughnesses of pinion and gear (...) [m], at least the lowest of the study."""
+    lowest = STUDY_RANGES["roughness"][0]
+    return np.maximum(conditions.roughness_pinion, lowest), np.maximum(conditions.roughness_gear, lowest)
+
+
 def _arguments(conditions: ContactConditions) -> tuple[Array, _Groups, _Groups]:
     """Logarithm of lambda (...), and the other arguments as the mixed regime takes them and as the other two do."""
-    lowest = STUDY_RANGES["roughness"][0]
-    roughness = [np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear)]
+    roughness = _roughnesses(conditions)
     composite = np.hypot(*roughness)
     with np.errstate(divide="ignore"):  # a film that heat thins to nothing
         log_ratio = np.maximum(np.log(conditions.film_thickness) - np.log(composite), np.log(LAMBDA_MINIMUM))
@@ -262,10 +267,7 @@ def _joined(below: Array, above: Array, weight: Array) -> Array:
 
 def between_regimes(conditions: ContactConditions) -> NDArray[np.bool_]:
     """True where lambda (...) is within one of the ``BLEND_WINDOWS``, about the steps of the formula."""
-    lowest = STUDY_RANGES["roughness"][0]
-    ratio = conditions.film_thickness / np.hypot(
-        *(np.maximum(r, lowest) for r in (conditions.roughness_pinion, conditions.roughness_gear))
-    )
+    ratio = conditions.film_thickness / np.hypot(*_roughnesses(conditions))
     return np.asarray(np.any([(low < ratio) & (ratio < high) for low, high in BLEND_WINDOWS], axis=0))
 
 
@@ -302,7 +304,7 @@ def formula_flags(conditions: ContactConditions, coefficient: Array | None = Non
         return np.asarray((under & below) | (over & above))
 
     rough = (conditions.roughness_pinion, conditions.roughness_gear)
-    composite = np.hypot(*(np.maximum(r, STUDY_RANGES["roughness"][0]) for r in rough))
+    composite = np.hypot(*_roughnesses(conditions))
     pressure = conditions.hertz_pressure
     thick = conditions.film_thickness >= LAMBDA_BOUNDARIES[0] * composite
     light = outside("hertz_pressure", pressure, above=False)

@@ -20,12 +20,12 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ..contact.lines.flank_splines import FlankSplines, fit
+from ..core.arrays import Array
 from ..core.checks import instance
 from ..core.errors import InputError
 from ..geometry.newton import cramers_rule, determinant
 from ..geometry.vectors import column, cross, dot
 
-Array = NDArray[Any]
 AXIS_ATTRIBUTES = ("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm", "ratio")
 
 

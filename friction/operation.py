@@ -7,26 +7,15 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import array, distinct, frozen_arrays, instance, number, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
-from .film_thickness import FILM_FACTORS, THERMAL_FACTORS, film_formula
+from .conditions import FILM_FACTORS, THERMAL_FACTORS, film_formula
 from .loaded_contacts import SurfaceVelocities
 from .lubricants.lubricant import Lubricant, OilState, OutOfRange, lubricant
-from .thermal_material import (
-    CONDUCTIVITY,
-    CONDUCTIVITY_RANGE,
-    DENSITY,
-    DENSITY_RANGE,
-    HEAT_CAPACITY,
-    HEAT_CAPACITY_RANGE,
-    ThermalMaterial,
-    by_member,
-)
 
-Array = NDArray[Any]
 Numbers = float | Sequence[float] | Array
 Roughness = float | tuple[float, float]
 ByMember = float | tuple[float, float]
@@ -36,6 +25,46 @@ ROUGHNESS_LIMIT = 100.0  # [um]
 ABSOLUTE_ZERO = -273.15  # [degC]
 TEMPERATURE_LIMIT = 400.0  # [degC]; of the tables of lubricants, too
 BULK_TEMPERATURE_LIMIT = 1000.0  # [degC]
+
+#: Of steel: thermal conductivity [W/(m K)], density [kg/m^3], specific heat capacity [J/(kg K)].
+CONDUCTIVITY, DENSITY, HEAT_CAPACITY = 46.0, 7850.0, 460.0
+CONDUCTIVITY_RANGE, DENSITY_RANGE, HEAT_CAPACITY_RANGE = (0.01, 1e4), (10.0, 1e5), (1.0, 1e5)
+
+
+@dataclass(frozen=True)
+class ThermalMaterial:
+    """Thermal properties of a member: conductivity, density and specific heat capacity."""
+
+    conductivity: float = CONDUCTIVITY  # [W/(m K)]
+    density: float = DENSITY  # [kg/m^3]
+    heat_capacity: float = HEAT_CAPACITY  # [J/(kg K)]
+
+    def __post_init__(self) -> None:
+        for name, unit, (least, most) in (
+            ("conductivity", "W/(m K)", CONDUCTIVITY_RANGE),
+            ("density", "kg/m^3", DENSITY_RANGE),
+            ("heat_capacity", "J/(kg K)", HEAT_CAPACITY_RANGE),
+        ):
+            object.__setattr__(self, name, number(name, getattr(self, name), unit, least=least, most=most))
+
+    @property
+    def diffusivity(self) -> float:
+        """Conductivity over density and heat capacity [m^2/s]."""
+        return self.conductivity / (self.density * self.heat_capacity)
+
+    @property
+    def thermal_contact_coefficient(self) -> float:
+        """Root of conductivity, density and heat capacity [J/(m^2 K s^0.5)], also called effusivity."""
+        return float(np.sqrt(self.conductivity * self.density * self.heat_capacity))
+
+
+def by_member(name: str, value: Any, unit: str, bounds: tuple[float, float]) -> tuple[float, float]:
+    """Property of pinion and gear, given as one number for both or as a pair; refused out of its bounds."""
+    pair = value if isinstance(value, tuple | list) else (value, value)
+    if len(pair) != 2:
+        raise InputError(f"{name} = {value!r}: must be a number, or a pair for pinion and gear [{unit}]")
+    first, second = (number(name, each, unit, least=bounds[0], most=bounds[1]) for each in pair)
+    return first, second
 
 
 def _mean_roughness(pairs: Array) -> Array:

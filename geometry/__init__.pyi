@@ -2,13 +2,16 @@ from .cutting.blade import Blade as Blade, BladeSection as BladeSection
 from .cutting.generating_surface import GeneratingSurface as GeneratingSurface, Hand as Hand
 from .cutting.machine import MachineSettings as MachineSettings
 from .cutting.named_settings import MachineResolution as MachineResolution
-from .design.basic_settings import blank_section as blank_section, formate_gear as formate_gear
+from .design.basic_settings import (
+    blank_section as blank_section,
+    conjugate_pinion as conjugate_pinion,
+    formate_gear as formate_gear,
+)
 from .design.blank import (
     BlankDesign as BlankDesign,
     BlankDimensions as BlankDimensions,
     blank_dimensions as blank_dimensions,
 )
-from .design.conjugate_pinion import conjugate_pinion as conjugate_pinion
 from .design.synthesis import EaseOffTarget as EaseOffTarget, Synthesis as Synthesis, fit_pinion as fit_pinion
 from .deviation.corrective_settings import Correction as Correction, corrective_settings as corrective_settings
 from .deviation.deviated_flank import departure as departure

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from ..core.arrays import Array
+
 Pair = Sequence[Array] | Array
 COMPLEX_STEP = 1e-30
 COLUMNS_PER_BLOCK = 1000  # so many that their intermediate results stay in the processor's cache

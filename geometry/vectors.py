@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[Any]
+from ..core.arrays import Array
 
 _NEXT, _LAST = np.array([1, 2, 0]), np.array([2, 0, 1])
 

@@ -22,6 +22,8 @@ from easeoff.geometry import (
     Member,
     conjugate_pinion,
 )
+from easeoff.geometry.pair.gear_pair import thickness_per_angle, tooth_angles
+from easeoff.geometry.pair.tooth_thickness import filling_thickness
 
 
 def by_the_dissertation(name: str, **contact: Any) -> Case:
@@ -110,3 +112,12 @@ def conjugate_pair(pinion_hand: Hand = "left", *, coast: bool = False) -> GearPa
     assembly = Assembly(11, 41, pinion_hand, math.pi / 2, 20.0)
     pinion, pinion_other = (conjugate_pinion(surface, assembly, 9.83) for surface in (drive, other))
     return GearPair(Member(11, PINION_BLANK, pinion, pinion_other), Member(41, GEAR_BLANK, drive, other), assembly)
+
+
+def circular_backlash(pair: GearPair) -> float:
+    """Normal circular backlash in the middle of the gear's flank [mm]; negative if the teeth overlap."""
+    pitch = 2.0 * np.pi / pair.pinion.teeth
+    filling = filling_thickness(pair) / thickness_per_angle(pair.pinion)
+    # More than half a pitch too thin is as much too thick, a tooth further on.
+    thinner = np.mod(filling - tooth_angles(pair)[0] + pitch / 2.0, pitch) - pitch / 2.0
+    return float(thinner) / pair.assembly.ratio * thickness_per_angle(pair.gear)

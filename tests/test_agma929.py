@@ -11,19 +11,19 @@ from typing import Any
 
 import numpy as np
 import pytest
+from iso23509_symbols import blank_design_from_symbols
 from numpy.typing import NDArray
+from pairs import circular_backlash
 from scipy.interpolate import RectBivariateSpline
 
 from easeoff import GeometryError, InputError
 from easeoff.cases import designed_blanks, gear_pair, read_case, read_design
 from easeoff.geometry import BlankDesign, GearPair, Member, blank_dimensions
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
-from easeoff.geometry.design.blank import blank_design_from_symbols
-from easeoff.geometry.design.edge_radius import rounded
-from easeoff.geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
+from easeoff.geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands, rounded
 from easeoff.geometry.design.tooth_proportions import ToothProportions, measured_proportions
-from easeoff.geometry.pair.backlash import circular_backlash, filling_thickness
 from easeoff.geometry.pair.gear_pair import thickness_per_angle, tooth_angles
+from easeoff.geometry.pair.tooth_thickness import filling_thickness
 from easeoff.geometry.tooth import tooth_surface as tooth_surface_module
 from easeoff.geometry.tooth.tooth_flanks import MemberName, PlacedFlank, placed_flanks, side
 from easeoff.geometry.tooth.tooth_surface import ToothSide, contact_heights, land_widths, tooth_side, tooth_surface

@@ -24,7 +24,7 @@ from easeoff.geometry import (
 from easeoff.geometry.design.basic_settings import generated_gear, hobbing_blade
 from easeoff.geometry.design.blank import mean_point_angles
 from easeoff.geometry.flanks.flank import solve_flank
-from easeoff.geometry.pair.gear_pair import _left_by_cutter
+from easeoff.geometry.pair.gear_pair import left_by_cutter
 from easeoff.geometry.pair.tooth_body import tooth_body
 from easeoff.geometry.vectors import rotate_z
 
@@ -196,7 +196,7 @@ def test_tooth_between_the_milled_flanks_has_the_thickness_of_the_blank() -> Non
     """The tooth body interpolates over the flank; at pitch height it comes near the blank's circular thickness."""
     blank, convex, concave = gear(MILLED)
     section = blank_section(blank.gear, blank.clearance)
-    body = tooth_body(section, convex, concave, _left_by_cutter(Member(41, section, convex, concave)))
+    body = tooth_body(section, convex, concave, left_by_cutter(Member(41, section, convex, concave)))
     mean = body.thickness.mean(axis=0)
     up = blank.gear.mean_dedendum / body.height.mean()
     assert mean[0] * (1 - up) + mean[1] * up == pytest.approx(blank.gear.mean_normal_thickness, abs=0.15)

@@ -21,8 +21,7 @@ from easeoff.cases.conversion import given_pair
 from easeoff.cases.reading import stem
 from easeoff.geometry import Misalignment, pair_geometry, tooth_angle
 from easeoff.geometry.design.blank import angles_of_normal
-from easeoff.geometry.pair.backlash import filling_thickness
-from easeoff.geometry.pair.tooth_thickness import mean_cone_distances, mean_thicknesses
+from easeoff.geometry.pair.tooth_thickness import filling_thickness, mean_cone_distances, mean_thicknesses
 from easeoff.geometry.tooth.tooth_flanks import placed_flanks
 
 NASA = case_text("nasa-12x36")

@@ -20,7 +20,7 @@ from easeoff.cases.writing import case_toml
 from easeoff.contact import SOLVERS, ContactProblem, write_problems
 from easeoff.contact.problem.exchange.problem_file import read_attributes, read_labels
 from easeoff.friction import COEFFICIENTS, FrictionModel
-from easeoff.friction.film_thickness import FILM_FACTORS, FILMS, THERMAL_FACTORS
+from easeoff.friction.conditions import FILM_FACTORS, FILMS, THERMAL_FACTORS
 from easeoff.study.compare.comparison_table import comparison_table
 from easeoff.study.summary.citation import (
     MODELS,

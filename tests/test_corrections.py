@@ -36,7 +36,7 @@ from easeoff.geometry.cutting.named_settings import (
     step_count,
     with_settings,
 )
-from easeoff.geometry.deviation.correction_fit import GIVEN_UP, LEAST_GIVEN_UP, SetUpFit
+from easeoff.geometry.deviation.corrective_settings import GIVEN_UP, LEAST_GIVEN_UP, SetUpFit
 from easeoff.geometry.deviation.deviated_flank import RecutFlank, deviated_member
 from easeoff.geometry.deviation.deviation import Deviation
 from easeoff.geometry.deviation.machine_set_up import movable_settings

@@ -13,7 +13,7 @@ from typing import Any, get_args
 import numpy as np
 import pytest
 from extreme_designs import EXTREMES, Extreme
-from pairs import by_the_dissertation
+from pairs import by_the_dissertation, circular_backlash
 from runs import output_of, refusal_of, replaced
 
 import easeoff
@@ -38,7 +38,6 @@ from easeoff.geometry.design.blank import mean_point_angles
 from easeoff.geometry.design.closest_fit import residual_limits
 from easeoff.geometry.design.pinion_method import PinionMethod
 from easeoff.geometry.flanks.flank import NodeStatus
-from easeoff.geometry.pair.backlash import circular_backlash
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import bodies, grid
 from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect

@@ -26,15 +26,17 @@ from easeoff.geometry import (
     blank_section,
 )
 from easeoff.geometry.design import closest_fit
-from easeoff.geometry.design.basic_settings import generated_gear
+from easeoff.geometry.design.basic_settings import crown_gear_pinion, generated_gear, pitch_point_azimuth
 from easeoff.geometry.design.closest_fit import StandardSteps, require_usable, residual_limits, target_range
-from easeoff.geometry.design.conjugate_pinion import crown_gear_pinion, pitch_point_azimuth
-from easeoff.geometry.design.ease_off_residual import EaseOffResidual
-from easeoff.geometry.design.edge_radius import fitting_edge_radius, usual_edge_radii
 from easeoff.geometry.design.pair_design import design_pair
-from easeoff.geometry.design.root_line import RootLine
-from easeoff.geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine
-from easeoff.geometry.design.synthesis import FREE_SETTINGS_WITH_TILT
+from easeoff.geometry.design.slot_width import (
+    EdgeRadiusLimits,
+    SlotWidths,
+    ToothLine,
+    fitting_edge_radius,
+    usual_edge_radii,
+)
+from easeoff.geometry.design.synthesis import FREE_SETTINGS_WITH_TILT, EaseOffResidual, RootLine
 from easeoff.geometry.design.tooth_proportions import ToothProportions
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid

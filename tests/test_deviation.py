@@ -28,7 +28,7 @@ from easeoff.geometry import (
 )
 from easeoff.geometry.cutting.named_settings import get_setting, scale_of, with_settings
 from easeoff.geometry.design.synthesis import FREE_SETTINGS
-from easeoff.geometry.deviation.correction_fit import GIVEN_UP
+from easeoff.geometry.deviation.corrective_settings import GIVEN_UP
 from easeoff.geometry.deviation.deviation import Method, deviation_from_dataset, smoothed, zeroed
 from easeoff.geometry.formats import EdgeMargins, cmm_points
 from easeoff.geometry.formats.measuring_points import _grid

@@ -18,7 +18,7 @@ from runs import read_only
 import easeoff.friction
 from easeoff import InputError, MissingPackageError
 from easeoff.friction import friction_coefficient
-from easeoff.friction.conditions import STEEL_MODULUS
+from easeoff.friction.conditions import STEEL_MODULUS, pan_hamrock
 from easeoff.friction.ehl import Status
 from easeoff.friction.ehl.study import (
     Design,
@@ -33,7 +33,6 @@ from easeoff.friction.ehl.study import (
 )
 from easeoff.friction.ehl.study.friction_formula import read_formula, study_inputs, write_formula
 from easeoff.friction.ehl.study.study_design import NUMBERS, REFINED, Condition, Row, oil_75w90, run_case, study_dataset
-from easeoff.friction.film_thickness import pan_hamrock
 
 
 def test_design_has_the_combinations_of_the_dissertation() -> None:

@@ -11,6 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from iso23509_symbols import (
+    ISO_INPUT_SYMBOLS,
+    ISO_SYMBOLS,
+    blank_design_from_symbols,
+    dimensions_by_symbol,
+    is_angle,
+)
 from numpy.typing import NDArray
 from pairs import MILLED
 from scipy.optimize import minimize
@@ -20,15 +27,7 @@ from easeoff import GeometryError, InputError
 from easeoff.cases import Case, shipped_cases
 from easeoff.cases.writing import with_blanks
 from easeoff.geometry import BlankDesign, BlankDimensions, blank_dimensions
-from easeoff.geometry.design.blank import (
-    ISO_INPUT_SYMBOLS,
-    ISO_SYMBOLS,
-    PitchCones,
-    blank_design_from_symbols,
-    dimensions_by_symbol,
-)
-from easeoff.geometry.design.iso23509.pitch_cones import crown_gear
-from easeoff.geometry.design.iso23509.symbols import is_angle
+from easeoff.geometry.design.iso23509.pitch_cones import PitchCones, crown_gear
 from easeoff.study.report.cycle_charts import _weighted_mean
 from easeoff.study.report.report_tables import ROWS, dimension_rows, implied_dimensions
 

@@ -25,14 +25,13 @@ from easeoff.geometry import (
 )
 from easeoff.geometry.cutting.machine import machine_pose
 from easeoff.geometry.cutting.named_settings import MachineResolution, get_setting, step_of
-from easeoff.geometry.design.basic_settings import generated_gear
+from easeoff.geometry.design.basic_settings import crown_gear_pinion, generated_gear
 from easeoff.geometry.design.blank import mean_point_angles
 from easeoff.geometry.design.closest_fit import StandardSteps
-from easeoff.geometry.design.conjugate_pinion import crown_gear_pinion
 from easeoff.geometry.design.pair_design import PairDesign, design_pair
 from easeoff.geometry.design.pinion_method import SettingLimits, SetUpMethod, at_limit, shared_settings
-from easeoff.geometry.design.root_line import root_gap
 from easeoff.geometry.design.set_up_fit import MeanSlot, along_the_root, set_up_residual, with_positive_tilt
+from easeoff.geometry.design.synthesis import root_gap
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.study import DesignReport, design_case
 

@@ -18,7 +18,7 @@ from pydantic.fields import FieldInfo
 
 from ...core.errors import InputError, suggestion
 from ...friction import COEFFICIENTS, FILM_FACTORS, FILMS, THERMAL_FACTORS, available_lubricants, lubricant
-from ...friction.lubricants.data_sheet import lubricant_toml
+from ...friction.lubricants.lubricant import lubricant_toml
 from ..reading import CASE, DESIGN, SUPPORT
 from .case_schema import Case
 from .design_schema import Design

@@ -24,15 +24,14 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.special import gamma, ndtr, pbdv
 
 from ...core import checks
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
-
-Array = NDArray[np.float64]
 
 #: m0 m4 / m2^2 of the autocorrelation exp(-(r/l)^2).
 BANDWIDTH = 3.0

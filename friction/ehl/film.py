@@ -5,11 +5,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from ...core import checks
-from ...core.checks import frozen_arrays
+from ...core.arrays import RealArray as Array
+from ...core.attributes import labelled
+from ...core.checks import frozen_arrays, instance
 from ...core.errors import InputError
 from .asperities import Asperities
 from .hierarchical_matrix import Deflection
@@ -17,7 +21,6 @@ from .lubricated_contact import LubricatedContact
 from .reynolds_equation import (
     ROUGH,
     SMOOTH,
-    Array,
     Certificate,
     Outcome,
     Problem,
@@ -339,3 +342,32 @@ def described(contact: LubricatedContact, x: Array, problem: Problem, outcome: O
         problem=problem,
         asperity_pressure=contact.hertz_pressure * (point.pressure - point.fluid),
     )
+
+
+def film_dataset(film: Film) -> xr.Dataset:
+    """Pressure, asperities' part, film thickness and state by position, with the status and certificate of the answer.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimension ``rolling_position`` [um].
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, smooth_film
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> dict(film_dataset(smooth_film(contact, nodes=129)).sizes)
+    {'rolling_position': 129}
+    """
+    instance("film", film, Film)
+    data: dict[str, Any] = {
+        "film_pressure": ("rolling_position", 1e-6 * film.pressure),
+        "asperity_pressure": ("rolling_position", 1e-6 * film.asperity_pressure),
+        "film": ("rolling_position", 1e6 * film.film),
+        "asperity_share": film.asperity_share,
+        "node_state": ("rolling_position", film.state, State.flag_attributes()),
+        "status": ((), np.int8(film.status), Status.flag_attributes()),
+        "worst_residual": film.certificate.worst,
+        "iterations": film.iterations,
+    }
+    return labelled(xr.Dataset(data, coords={"rolling_position": 1e6 * film.position}))

@@ -36,6 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays
 
 #: From this distance on, in grid spacings, a series replaces the closed form, whose digits cancel there.
@@ -93,8 +94,6 @@ class Deflection:
         spectrum *= self._transform
         return np.asarray(irfft(spectrum, self._length, axis=-1)[..., : self.nodes])
 
-
-Array = NDArray[np.float64]
 
 #: Diagonals of A and C: two below the main one (second-order upstream differences), one above.
 OFFSETS = (-2, -1, 0, 1)

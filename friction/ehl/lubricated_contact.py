@@ -12,16 +12,13 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core import checks
+from ...core.arrays import RealArray as Array
 from ...core.checks import instance, one_of
 from ...core.errors import InputError
-from ..conditions import STEEL_MODULUS
-from ..film_thickness import FILM_FACTORS, THERMAL_FACTORS
+from ..conditions import FILM_FACTORS, STEEL_MODULUS, THERMAL_FACTORS
 from ..lubricants.lubricant import OilState
-
-Array = NDArray[np.float64]
 
 #: Constants of Roelands' law [Pa], [1].
 ROELANDS_PRESSURE, ROELANDS_LOGARITHM = 1.98e8, 9.67

@@ -54,14 +54,13 @@ from dataclasses import astuple, dataclass, field, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.attributes import StoredStatus
 from ...core.checks import frozen_arrays
 from . import hierarchical_matrix as hierarchical
 from .asperities import Asperities
 from .hierarchical_matrix import Deflection
 from .lubricated_contact import LubricatedContact
-
-Array = NDArray[np.float64]
 
 #: Smallest film thickness in the cube of the flow under pressure, as a fraction of the unit a^2 / R. The iteration may
 #: pass through thinner and negative films; no answer may, see ``FilmCertificate``.

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core import checks
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from .lubricated_contact import LubricatedContact
-from .reynolds_equation import Array
 
 #: Root of conductivity, density and specific heat of steel (46 W/(m K), 7850 kg/m^3, 460 J/(kg K)) [J/(m^2 K s^0.5)].
 STEEL_EFFUSIVITY = 12890.0

@@ -124,22 +124,15 @@ def _part(
     return BladeSection(name, begin, math.inf, point[0], point[1], angle, rate, radius)
 
 
-def blade_sections(
-    pressure_angle: float,
-    *,
-    spheric_radius: float | None,
-    reference_height: float,
-    edge_radius: float,
-    toprem: Relief | None,
-    flankrem: Relief | None,
-) -> dict[SectionName, BladeSection]:
+def blade_sections(blade: Blade) -> dict[SectionName, BladeSection]:
     """Sections of a blade's edge from the tip land upwards, joined end to end; parts that do not fit are refused.
 
     The profile touches the line of the pressure angle at the reference height [mm]; reliefs begin on the profile, with
     a kink if they have an angle; the edge radius touches what lies above it and the tip plane.
     """
-    reference = (reference_height * math.tan(pressure_angle), reference_height)
-    profile = _part("profile", reference, pressure_angle, spheric_radius)
+    edge_radius, toprem, flankrem = blade.edge_radius, blade.toprem, blade.flankrem
+    reference = (blade.reference_height * math.tan(blade.pressure_angle), blade.reference_height)
+    profile = _part("profile", reference, blade.pressure_angle, blade.spheric_radius)
     lowest, start = profile, 0.0
     if toprem is not None:
         start = profile.at_height(toprem.height)
@@ -274,14 +267,7 @@ class Blade:
     @cached_property
     def sections(self) -> dict[SectionName, BladeSection]:
         """Parts of the edge by name, from the tip land upwards."""
-        return blade_sections(
-            self.pressure_angle,
-            spheric_radius=self.spheric_radius,
-            reference_height=self.reference_height,
-            edge_radius=self.edge_radius,
-            toprem=self.toprem,
-            flankrem=self.flankrem,
-        )
+        return blade_sections(self)
 
     @property
     def side_sign(self) -> float:

@@ -25,13 +25,13 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import check_fields, frozen_arrays
 from ..newton import NewtonResult, complex_steps, solve_by
 from ..vectors import cos_sin, cross, dot
 from .blade import Blade, BladeSection, SectionName
 from .machine import IncrementSense, MachinePose, MachineSettings, machine_pose
 
-Array = NDArray[Any]
 Velocity = tuple[Array, Array]
 
 ITERATION_LIMIT = 12  # from a start within a few degrees; five are usual
@@ -57,83 +57,72 @@ def straight_edge(origin: Array, edge: Array, by_cutter: Velocity, by_cradle: Ve
     return np.asarray(-2.0 * constant / (linear + np.sign(linear.real) * root))
 
 
-def on_arc(
-    middle: Array, radius: float, plane: tuple[Array, Array], middle_angle: float, turn: Array
-) -> tuple[Array, Array]:
-    """Point [mm] and direction (3, n) of a circular edge at ``turn`` (n) [rad] of its direction from the middle.
+@dataclass(frozen=True, eq=False)
+class Arc:
+    """Circular edge of a blade. The radius is positive with the centre in the metal, or zero."""
 
-    The point lies on the chord, whose direction is that of the edge half way: exact for a radius of any size.
-    """
-    outward, upward = plane
-    _, half_sine = cos_sin(0.5 * turn)
-    cosine, sine = cos_sin(middle_angle + 0.5 * turn)
-    chord = sine * outward + cosine * upward
-    end_cosine, end_sine = cos_sin(middle_angle + turn)
-    return middle + 2.0 * radius * half_sine * chord, end_sine * outward + end_cosine * upward
+    middle: Array  # (3, n) [mm]
+    radius: float
+    plane: tuple[Array, Array]  # outward, and to the shank (3, n)
+    angle: float  # of the edge in its middle, against the cutter axis
 
+    @property
+    def real(self) -> Arc:
+        """The arc without an imaginary part."""
+        outward, upward = self.plane
+        return Arc(self.middle.real, self.radius, (outward.real, upward.real), self.angle)
 
-def circular_edge(
-    middle: Array,
-    radius: float,
-    plane: tuple[Array, Array],
-    by_cutter: Velocity,
-    by_cradle: Velocity,
-    middle_angle: float,
-) -> Array:
-    """Turn (n) [rad] of a circular edge's direction from its middle (3, n) [mm] to the touched point.
+    def at(self, turn: Array) -> tuple[Array, Array]:
+        """Point [mm] and direction (3, n) at ``turn`` (n) [rad] of the direction from the middle.
 
-    In closed form for face milling, by Newton from there for face hobbing. The radius is positive with the centre in
-    the metal, or zero; the plane is (outward, to the shank); the solution is the one nearest to the middle.
-    """
+        The point lies on the chord, whose direction is that of the edge half way: exact for a radius of any size.
+        """
+        outward, upward = self.plane
+        _, half_sine = cos_sin(0.5 * turn)
+        cosine, sine = cos_sin(self.angle + 0.5 * turn)
+        chord = sine * outward + cosine * upward
+        end_cosine, end_sine = cos_sin(self.angle + turn)
+        return self.middle + 2.0 * self.radius * half_sine * chord, end_sine * outward + end_cosine * upward
 
-    def real(values: Array) -> Array:
-        return np.asarray(values.real)
+    def touched(self, by_cutter: Velocity, by_cradle: Velocity) -> Array:
+        """Turn (n) [rad] from the middle to the touched point, the one nearest to the middle.
 
-    arc = (real(middle), radius, (real(plane[0]), real(plane[1])), middle_angle)
-    velocities = [(real(spin), real(shift)) for spin, shift in (by_cutter, by_cradle)]
-    turn = _start(*arc, velocities)
-    for _ in range(ITERATION_LIMIT):
-        step = _newton_step(*arc, velocities, turn)
-        turn = turn + step
-        if not np.any(np.abs(step) > 1e-14):
-            break
-    # One more step in the possibly complex data carries the derivatives.
-    return np.asarray(turn + _newton_step(middle, radius, plane, middle_angle, [by_cutter, by_cradle], turn))
+        In closed form for face milling, by Newton from there for face hobbing.
+        """
+        velocities = [(spin.real, shift.real) for spin, shift in (by_cutter, by_cradle)]
+        arc = self.real
+        turn = arc._start(velocities)
+        for _ in range(ITERATION_LIMIT):
+            step = arc._newton_step(velocities, turn)
+            turn = turn + step
+            if not np.any(np.abs(step) > 1e-14):
+                break
+        # One more step in the possibly complex data carries the derivatives.
+        return np.asarray(turn + self._newton_step([by_cutter, by_cradle], turn))
 
+    def _start(self, velocities: list[Velocity]) -> Array:
+        """Solution with the cutting velocity of the middle of the arc; for a flat arc, that of its tangent there."""
+        outward, upward = self.plane
+        sine, cosine = np.sin(self.angle), np.cos(self.angle)
+        center = self.middle + self.radius * (cosine * outward - sine * upward)
+        cutting, rolling = _of(velocities[0], self.middle), _of(velocities[1], center)
+        angle = np.arctan2(-dot(rolling, cross(upward, cutting)), dot(rolling, cross(outward, cutting)))
+        turn = np.mod(angle - self.angle + np.pi / 2, np.pi) - np.pi / 2
+        if self.radius != 0.0:
+            along_tangent = straight_edge(self.middle, sine * outward + cosine * upward, *velocities) / self.radius
+            turn = np.where(np.abs(along_tangent) < FLAT_TURN_LIMIT, along_tangent, turn)
+        return np.asarray(turn)
 
-def _start(
-    middle: Array, radius: float, plane: tuple[Array, Array], middle_angle: float, velocities: list[Velocity]
-) -> Array:
-    """Solution with the cutting velocity of the middle of the arc; for a flat arc, that of its tangent there."""
-    outward, upward = plane
-    sine, cosine = np.sin(middle_angle), np.cos(middle_angle)
-    center = middle + radius * (cosine * outward - sine * upward)
-    cutting, rolling = _of(velocities[0], middle), _of(velocities[1], center)
-    angle = np.arctan2(-dot(rolling, cross(upward, cutting)), dot(rolling, cross(outward, cutting)))
-    turn = np.mod(angle - middle_angle + np.pi / 2, np.pi) - np.pi / 2
-    if radius != 0.0:
-        along_tangent = straight_edge(middle, sine * outward + cosine * upward, *velocities) / radius
-        turn = np.where(np.abs(along_tangent) < FLAT_TURN_LIMIT, along_tangent, turn)
-    return np.asarray(turn)
-
-
-def _newton_step(
-    middle: Array,
-    radius: float,
-    plane: tuple[Array, Array],
-    middle_angle: float,
-    velocities: list[Velocity],
-    turn: Array,
-) -> Array:
-    point, edge = on_arc(middle, radius, plane, middle_angle, turn)
-    cosine, sine = cos_sin(middle_angle + turn)
-    inward = sine * plane[1] - cosine * plane[0]
-    cutting, rolling = (_of(velocity, point) for velocity in velocities)
-    plane_normal = cross(cutting, rolling)
-    value = dot(edge, plane_normal)
-    changes = cross(cross(velocities[0][0], edge), rolling) + cross(cutting, cross(velocities[1][0], edge))
-    slope = radius * dot(edge, changes) - dot(inward, plane_normal)
-    return np.asarray(-value / slope)
+    def _newton_step(self, velocities: list[Velocity], turn: Array) -> Array:
+        point, edge = self.at(turn)
+        cosine, sine = cos_sin(self.angle + turn)
+        inward = sine * self.plane[1] - cosine * self.plane[0]
+        cutting, rolling = (_of(velocity, point) for velocity in velocities)
+        plane_normal = cross(cutting, rolling)
+        value = dot(edge, plane_normal)
+        changes = cross(cross(velocities[0][0], edge), rolling) + cross(cutting, cross(velocities[1][0], edge))
+        slope = self.radius * dot(edge, changes) - dot(inward, plane_normal)
+        return np.asarray(-value / slope)
 
 
 Hand = Literal["left", "right"]
@@ -219,7 +208,8 @@ class GeneratingSurface:
             along it from the end of its edge radius, see ``blade_sections``.
         """
         pose, tip, plane, velocities = self._blade(parameters)
-        point, edge, coordinate = self._on_blade(tip, plane, velocities, parameters[1])
+        meshing = velocities if self.settings.generated else None
+        point, edge, coordinate = self._on_blade(tip, plane, parameters[1], meshing)
         return (*self._in_member(pose, velocities[0], point, edge, parameters[0]), coordinate)
 
     @np.errstate(all="ignore")
@@ -242,7 +232,7 @@ class GeneratingSurface:
             that the cradle's rotation gives the point: zero where the equation of meshing holds.
         """
         pose, tip, plane, velocities = self._blade(parameters)
-        point, edge = self._given_point(tip, plane, np.full_like(parameters[1], coordinate))
+        point, edge, _ = self._on_blade(tip, plane, np.full_like(parameters[1], coordinate))
         position, normal = self._in_member(pose, velocities[0], point, edge, parameters[0])
         spin, shift = velocities[1]
         across = cross(edge, cross(velocities[0][0], point) + velocities[0][1])
@@ -284,25 +274,16 @@ class GeneratingSurface:
             position[1], normal[1] = -position[1], -normal[1]
         return position, normal
 
-    def _given_point(self, tip: Array, plane: tuple[Array, Array], coordinate: Array) -> tuple[Array, Array]:
-        """Point of the blade [mm] at a coordinate, and direction of the edge there (3, n)."""
-        section, (outward, upward) = self.section, plane
-        if section.radius is None:
-            along_outward, along_upward = math.sin(section.angle), math.cos(section.angle)
-            edge = along_outward * outward + along_upward * upward
-            origin = tip + (section.outward - section.begin * along_outward) * outward
-            origin = origin + (section.height - section.begin * along_upward) * upward
-            return origin + coordinate * edge, edge
-        middle, middle_angle = section.point(section.middle), section.angle_at(section.middle)
-        origin = tip + middle[0] * outward + middle[1] * upward
-        return on_arc(origin, section.radius, plane, middle_angle, section.rate * (coordinate - section.middle))
-
     def _on_blade(
-        self, tip: Array, plane: tuple[Array, Array], velocities: tuple[Velocity, Velocity], coordinate: Array
+        self,
+        tip: Array,
+        plane: tuple[Array, Array],
+        coordinate: Array,
+        velocities: tuple[Velocity, Velocity] | None = None,
     ) -> tuple[Array, Array, Array]:
-        """Point of the blade that cuts [mm], direction of the edge there (3, n), and blade coordinate (n).
+        """Point of the blade [mm], direction of the edge there (3, n), and blade coordinate (n).
 
-        Generated, the equation of meshing gives the coordinate; Formate, it is the one asked for.
+        With velocities the equation of meshing gives the coordinate; without it is the one asked for.
         """
         section, (outward, upward) = self.section, plane
         if section.radius is None:
@@ -310,18 +291,15 @@ class GeneratingSurface:
             edge = along_outward * outward + along_upward * upward
             origin = tip + (section.outward - section.begin * along_outward) * outward
             origin = origin + (section.height - section.begin * along_upward) * upward
-            if self.settings.generated:
+            if velocities is not None:
                 coordinate = straight_edge(origin, edge, *velocities)
             return origin + coordinate * edge, edge, coordinate
         middle, middle_angle = section.point(section.middle), section.angle_at(section.middle)
-        origin = tip + middle[0] * outward + middle[1] * upward
-        if self.settings.generated:
-            turn = circular_edge(origin, section.radius, plane, *velocities, middle_angle)
-            coordinate = section.middle + turn / section.rate
-        else:
-            turn = section.rate * (coordinate - section.middle)
-        point, edge = on_arc(origin, section.radius, plane, middle_angle, turn)
-        return point, edge, coordinate
+        arc = Arc(tip + middle[0] * outward + middle[1] * upward, section.radius, plane, middle_angle)
+        if velocities is None:
+            return (*arc.at(section.rate * (coordinate - section.middle)), coordinate)
+        turn = arc.touched(*velocities)
+        return (*arc.at(turn), section.middle + turn / section.rate)
 
     def axial_and_radial(self, parameters: Array) -> Array:
         """Axial and radial coordinates (2, n) [mm] of the flank at given parameters (2, n)."""

@@ -21,13 +21,12 @@ from functools import lru_cache
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import array, check_fields, one_of, shown
 from ...core.errors import InputError
 from ..vectors import cos_sin, cross, turn_z
 
-Array = NDArray[Any]
 MOVING_SETTINGS = (
     "radial_distance",
     "machine_root_angle",

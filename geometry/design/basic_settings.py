@@ -1,26 +1,42 @@
-"""Basic machine settings of a gear from its blank: Formate or generated, face-milled or face-hobbed."""
+"""Basic machine settings of a gear from its blank: Formate or generated, face-milled or face-hobbed.
+
+The exactly conjugate pinion of a Formate gear, as settings of a cradle machine.
+
+Cut the pinion on a machine whose cradle axis is the gear axis, whose ratio of roll is the ratio of the pair and whose
+cutter is the gear's own blade, taken from the other side and, face-hobbed, turning in the same time. The cradle then
+plays the gear, and the pinion is its envelope: the ease-off is zero everywhere. Machine root angle near zero and a
+large cutter tilt are the marks of this set-up.
+
+The pinion that the generating gear of a generated gear cuts from the other side, as settings of a cradle machine.
+
+The cradle of the gear's machine plays a crown gear that rolls on the gear. Let the same crown gear roll on the pinion,
+at the tooth ratio, and let its flank be cut from the other side. Where the axes intersect and the crown gear rolls on
+the pitch cone, all three bodies turn about one instantaneous axis, and gear and pinion are exactly conjugate (Litvin &
+Fuentes 2004, Gear Geometry and Applied Theory, chapter 21). With an offset they are so near the pitch point only.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
-from typing import Any, get_args
+from dataclasses import dataclass, replace
+from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.checks import instance, one_of, positive, truth, whole
+from ...core.arrays import Array
+from ...core.checks import instance, number, one_of, positive, truth, whole
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
 from ..cutting.generating_surface import GeneratingSurface, Hand
-from ..cutting.machine import MachineSettings
+from ..cutting.machine import MachineSettings, machine_pose
 from ..flanks.blank_section import BlankSection
-from .blank import BlankDimensions, mean_point_angles
+from ..pair.assembly import Assembly
+from ..vectors import rotate_z
+from .blank import BlankDimensions, MeanPointAngles, mean_point_angles
 from .closest_fit import StandardSteps
 from .iso23509.blank_dimensions import MemberBlank
 
-Array = NDArray[Any]
 Flanks = tuple[GeneratingSurface, GeneratingSurface]
 NO_STEPS = StandardSteps()
 GROUP_COUNT_LIMIT = 100  # of a face-hobbing cutter
@@ -117,7 +133,7 @@ def formate_gear(
     >>> convex.settings == concave.settings, convex.settings.generated
     (True, False)
     """
-    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, None)
+    return _GearCut(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, None).flanks()
 
 
 def generated_gear(
@@ -136,159 +152,143 @@ def generated_gear(
     """
     gear = blank.gear
     ratio = math.cos(gear.pitch_angle - gear.root_angle) / math.sin(gear.pitch_angle)
-    return _gear(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, ratio)
+    return _GearCut(blank, cutter_radius, hand, number_of_blade_groups, corrected, steps, ratio).flanks()
 
 
-def _gear(
-    blank: BlankDimensions,
-    cutter_radius: float,
-    hand: Hand,
-    groups: int,
-    corrected: bool,
-    steps: StandardSteps,
-    ratio: float | None,
-) -> Flanks:
-    instance("blank", blank, BlankDimensions)
-    positive("cutter_radius", cutter_radius, "mm")
-    one_of("hand", hand, get_args(Hand))
-    truth("corrected", corrected)
-    instance("steps", steps, StandardSteps)
-    if whole("number_of_blade_groups", groups, 0, GROUP_COUNT_LIMIT):
-        return _face_hobbed(blank, cutter_radius, hand, groups, corrected, steps, ratio)
-    return _face_milled(blank, cutter_radius, hand, corrected, steps, ratio)
+@dataclass(frozen=True)
+class _GearCut:
+    """How a gear is cut: Formate without a ratio of roll, face-milled without blade groups."""
 
+    blank: BlankDimensions
+    cutter_radius: float
+    hand: Hand
+    groups: int
+    corrected: bool
+    steps: StandardSteps
+    ratio: float | None
 
-def _machine_center(gear: MemberBlank, ratio: float | None) -> float:
-    """Machine centre to crossing point [mm].
+    def __post_init__(self) -> None:
+        instance("blank", self.blank, BlankDimensions)
+        positive("cutter_radius", self.cutter_radius, "mm")
+        one_of("hand", self.hand, get_args(Hand))
+        truth("corrected", self.corrected)
+        instance("steps", self.steps, StandardSteps)
+        whole("number_of_blade_groups", self.groups, 0, GROUP_COUNT_LIMIT)
 
-    The cradle axis of a Formate gear meets the work axis in the root apex; to roll on the pitch cone, in its apex.
-    """
-    return gear.root_apex if ratio is None else gear.pitch_apex
+    def flanks(self) -> Flanks:
+        """Convex and concave flank."""
+        return self._face_hobbed() if self.groups else self._face_milled()
 
+    @property
+    def _machine_center(self) -> float:
+        """Machine centre to crossing point [mm].
 
-def _mean_point(gear: MemberBlank, ratio: float | None) -> tuple[float, float]:
-    """The mean point seen on the machine: distance from the cradle axis along the root line, height above it [mm]."""
-    axial = gear.mean_cone_distance * math.cos(gear.pitch_angle) - gear.pitch_apex
-    radial = gear.mean_cone_distance * math.sin(gear.pitch_angle)
-    sine, cosine = math.sin(gear.root_angle), math.cos(gear.root_angle)
-    along = (axial + _machine_center(gear, ratio)) * cosine + radial * sine
-    return along, radial * cosine - (axial + gear.root_apex) * sine
+        The cradle axis of a Formate gear meets the work axis in the root apex; to roll on the pitch cone, in its apex.
+        """
+        return self.blank.gear.root_apex if self.ratio is None else self.blank.gear.pitch_apex
 
+    @property
+    def _mean_point(self) -> tuple[float, float]:
+        """The mean point on the machine: distance from the cradle axis along the root line, height above it [mm]."""
+        gear, (axial, radial) = self.blank.gear, self.blank.gear.mean_point
+        sine, cosine = math.sin(gear.root_angle), math.cos(gear.root_angle)
+        along = (axial + self._machine_center) * cosine + radial * sine
+        return along, radial * cosine - (axial + gear.root_apex) * sine
 
-def _machine(
-    gear: MemberBlank, horizontal: float, vertical: float, ratio: float | None, indexing_ratio: float = 0.0
-) -> MachineSettings:
-    center = _machine_center(gear, ratio)
-    return MachineSettings(
-        radial_distance=math.hypot(horizontal, vertical),
-        cradle_angle=math.atan2(vertical, horizontal),
-        machine_root_angle=gear.root_angle,
-        sliding_base=(gear.root_apex - center) * math.sin(gear.root_angle),
-        machine_center_to_crossing_point=center,
-        ratio_of_roll=ratio,
-        indexing_ratio=indexing_ratio,
-    )
-
-
-def _face_milled(
-    blank: BlankDimensions,
-    cutter_radius: float,
-    hand: Hand,
-    corrected: bool,
-    steps: StandardSteps,
-    ratio: float | None,
-) -> Flanks:
-    gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
-    along, _ = _mean_point(gear, ratio)
-    spiral = gear.mean_spiral_angle
-    drive, coast = float(blank.generated_drive_pressure_angle), float(blank.generated_coast_pressure_angle)
-    slot = math.pi * blank.mean_normal_module - gear.mean_normal_thickness
-    point_width = slot - gear.mean_dedendum * (math.tan(drive) + math.tan(coast))
-
-    def flanks(values: Array) -> Flanks:
-        horizontal, vertical, width, inside_angle, outside_angle = (float(v) for v in values)
-        if width <= 0.0:
-            raise GeometryError(f"the gear's slot leaves a point width of {width:.3f} mm: no cutter fits")
-        settings = _machine(gear, horizontal, vertical, ratio)
-        inside = Blade(cutter_radius - width / 2.0, inside_angle, "inside")
-        outside = Blade(cutter_radius + width / 2.0, outside_angle, "outside")
-        return GeneratingSurface(inside, settings, hand, 1), GeneratingSurface(outside, settings, hand, 1)
-
-    def error(values: Array) -> Array:
-        convex, concave = (mean_point_angles(flank, section, gear) for flank in flanks(values))
-        cut = (convex.azimuth - concave.azimuth) * gear.mean_pitch_diameter / 2.0 * math.cos(spiral)
-        return np.array(
-            [
-                (convex.spiral_angle + concave.spiral_angle) / 2.0 - spiral,
-                convex.azimuth + concave.azimuth,
-                (cut - slot) / cutter_radius,
-                convex.pressure_angle - drive,
-                concave.pressure_angle - coast,
-            ]
+    def _machine(self, horizontal: float, vertical: float) -> MachineSettings:
+        gear, center = self.blank.gear, self._machine_center
+        return MachineSettings(
+            radial_distance=math.hypot(horizontal, vertical),
+            cradle_angle=math.atan2(vertical, horizontal),
+            machine_root_angle=gear.root_angle,
+            sliding_base=(gear.root_apex - center) * math.sin(gear.root_angle),
+            machine_center_to_crossing_point=center,
+            ratio_of_roll=self.ratio,
+            indexing_ratio=self.groups / gear.number_of_teeth,
         )
 
-    start = np.array(
-        [along - cutter_radius * math.sin(spiral), cutter_radius * math.cos(spiral), point_width, drive, coast]
-    )
-    solution = _corrected(error, start) if corrected else start
-    cutter = np.array([steps.width(solution[2]), steps.angle(solution[3]), steps.angle(solution[4])])
-    if np.array_equal(cutter, solution[2:]):
-        return flanks(solution)
-    place = solution[:2]
-    if corrected:
-        place = _corrected(lambda values: error(np.concatenate([values, cutter]))[:2], place)
-    return flanks(np.concatenate([place, cutter]))
+    def _angles(self, flank: GeneratingSurface) -> MeanPointAngles:
+        return mean_point_angles(flank, blank_section(self.blank.gear, self.blank.clearance), self.blank.gear)
 
+    def _face_milled(self) -> Flanks:
+        blank, gear, cutter_radius, hand = self.blank, self.blank.gear, self.cutter_radius, self.hand
+        along, spiral = self._mean_point[0], gear.mean_spiral_angle
+        drive, coast = float(blank.generated_drive_pressure_angle), float(blank.generated_coast_pressure_angle)
+        slot = math.pi * blank.mean_normal_module - gear.mean_normal_thickness
+        point_width = slot - gear.mean_dedendum * (math.tan(drive) + math.tan(coast))
 
-def _face_hobbed(
-    blank: BlankDimensions,
-    cutter_radius: float,
-    hand: Hand,
-    groups: int,
-    corrected: bool,
-    steps: StandardSteps,
-    ratio: float | None,
-) -> Flanks:
-    gear, section = blank.gear, blank_section(blank.gear, blank.clearance)
-    along, height = _mean_point(gear, ratio)
-    lead_sine = groups * blank.mean_normal_module / (2.0 * cutter_radius)
-    if not lead_sine < 1.0:
-        raise GeometryError(f"number_of_blade_groups = {groups}: too many for cutter_radius = {cutter_radius:g} mm")
-    lead = math.asin(lead_sine)
-    course = gear.mean_spiral_angle - lead
-    settings = _machine(
-        gear,
-        along - cutter_radius * math.sin(course),
-        cutter_radius * math.cos(course),
-        ratio,
-        groups / gear.number_of_teeth,
-    )
-
-    def flank(side: BladeSide, pressure_angle: float) -> GeneratingSurface:
-        def surface(values: Array) -> GeneratingSurface:
-            radius, angle = float(values[0]) * cutter_radius, float(values[1])
-            return GeneratingSurface(hobbing_blade(radius, angle, side, height, lead), settings, hand, 1)
+        def flanks(values: Array) -> Flanks:
+            horizontal, vertical, width, inside_angle, outside_angle = (float(v) for v in values)
+            if width <= 0.0:
+                raise GeometryError(f"the gear's slot leaves a point width of {width:.3f} mm: no cutter fits")
+            settings = self._machine(horizontal, vertical)
+            inside = Blade(cutter_radius - width / 2.0, inside_angle, "inside")
+            outside = Blade(cutter_radius + width / 2.0, outside_angle, "outside")
+            return GeneratingSurface(inside, settings, hand, 1), GeneratingSurface(outside, settings, hand, 1)
 
         def error(values: Array) -> Array:
-            angles = mean_point_angles(surface(values), section, gear)
-            return np.array([angles.spiral_angle - gear.mean_spiral_angle, angles.pressure_angle - pressure_angle])
+            convex, concave = map(self._angles, flanks(values))
+            cut = (convex.azimuth - concave.azimuth) * gear.mean_pitch_diameter / 2.0 * math.cos(spiral)
+            return np.array(
+                [
+                    (convex.spiral_angle + concave.spiral_angle) / 2.0 - spiral,
+                    convex.azimuth + concave.azimuth,
+                    (cut - slot) / cutter_radius,
+                    convex.pressure_angle - drive,
+                    concave.pressure_angle - coast,
+                ]
+            )
 
-        start = np.array([1.0, pressure_angle])
-        solution = _corrected(error, start) if corrected else start
-        angle = np.array([steps.angle(solution[1])])
-        if angle[0] == solution[1]:
-            return surface(solution)
-        radius = (
-            _corrected(lambda values: error(np.concatenate([values, angle]))[:1], solution[:1])
-            if corrected
-            else solution[:1]
+        def to_steps(cutter: Array) -> Array:
+            return np.array([self.steps.width(cutter[0]), *map(self.steps.angle, cutter[1:])])
+
+        horizontal, vertical = along - cutter_radius * math.sin(spiral), cutter_radius * math.cos(spiral)
+        return flanks(self._settled(error, np.array([horizontal, vertical, point_width, drive, coast]), 2, to_steps))
+
+    def _face_hobbed(self) -> Flanks:
+        blank, gear, cutter_radius = self.blank, self.blank.gear, self.cutter_radius
+        along, height = self._mean_point
+        lead_sine = self.groups * blank.mean_normal_module / (2.0 * cutter_radius)
+        if not lead_sine < 1.0:
+            raise GeometryError(
+                f"number_of_blade_groups = {self.groups}: too many for cutter_radius = {cutter_radius:g} mm"
+            )
+        lead = math.asin(lead_sine)
+        course = gear.mean_spiral_angle - lead
+        settings = self._machine(along - cutter_radius * math.sin(course), cutter_radius * math.cos(course))
+
+        def flank(side: BladeSide, pressure_angle: float) -> GeneratingSurface:
+            def surface(values: Array) -> GeneratingSurface:
+                radius, angle = float(values[0]) * cutter_radius, float(values[1])
+                return GeneratingSurface(hobbing_blade(radius, angle, side, height, lead), settings, self.hand, 1)
+
+            def error(values: Array) -> Array:
+                angles = self._angles(surface(values))
+                return np.array([angles.spiral_angle - gear.mean_spiral_angle, angles.pressure_angle - pressure_angle])
+
+            def to_steps(angle: Array) -> Array:
+                return np.array([self.steps.angle(angle[0])])
+
+            return surface(self._settled(error, np.array([1.0, pressure_angle]), 1, to_steps))
+
+        return (
+            flank("inside", float(blank.generated_drive_pressure_angle)),
+            flank("outside", float(blank.generated_coast_pressure_angle)),
         )
-        return surface(np.concatenate([radius, angle]))
 
-    return (
-        flank("inside", float(blank.generated_drive_pressure_angle)),
-        flank("outside", float(blank.generated_coast_pressure_angle)),
-    )
+    def _settled(
+        self, error: Callable[[Array], Array], start: Array, first: int, to_steps: Callable[[Array], Array]
+    ) -> Array:
+        """Values without errors; those of the cutter, from ``first`` on, at steps and the others corrected anew."""
+        solution = self._solved(error, start)
+        cutter = to_steps(solution[first:])
+        if np.array_equal(cutter, solution[first:]):
+            return solution
+        place = self._solved(lambda values: error(np.concatenate([values, cutter]))[:first], solution[:first])
+        return np.concatenate([place, cutter])
+
+    def _solved(self, error: Callable[[Array], Array], start: Array) -> Array:
+        return _corrected(error, start) if self.corrected else start
 
 
 def hobbing_blade(
@@ -326,3 +326,184 @@ def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
             "angle and cutter_radius"
         )
     return np.asarray(solution.x)
+
+
+def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: float) -> GeneratingSurface:
+    """Machine settings that cut the pinion flank conjugate to a Formate gear flank.
+
+    Parameters
+    ----------
+    gear
+        Generating surface of the gear flank.
+    assembly
+        The pair; its misalignment is not used, the pinion is conjugate in the nominal position.
+    blade_height
+        Distance between the blade tips of the two cutters along the cutter axis [mm]: where the pinion's root is to be.
+
+    Returns
+    -------
+    GeneratingSurface
+        The pinion flank.
+
+    Raises
+    ------
+    GeometryError
+        If the gear is generated (no fixed cone stands for its flank), or the cone ends before ``blade_height``.
+
+    Examples
+    --------
+    The ease-off of the conjugate pinion is zero:
+
+    >>> from dataclasses import replace
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> from easeoff.geometry import Misalignment, ease_off
+    >>> pair = gear_pair(read_case("fm-11x41")).misaligned(Misalignment())
+    >>> surface = conjugate_pinion(pair.gear.loaded, pair.assembly, blade_height=10.0)
+    >>> found = ease_off(replace(pair, pinion=replace(pair.pinion, loaded=surface)), (5, 5))
+    >>> bool(abs(found["ease_off"]).max() < 1e-6)  # [um]
+    True
+    """
+    instance("gear", gear, GeneratingSurface)
+    instance("assembly", assembly, Assembly)
+    number("blade_height", blade_height, "mm")
+    settings = gear.settings
+    if settings.generated:
+        raise GeometryError(
+            "the conjugate pinion of a Formate gear is asked for, but this gear is generated: take crown_gear_pinion"
+        )
+    # The gear's cutter in the frame of a right-hand gear: centre of the tip plane, axis towards the gear.
+    still = np.zeros(1)
+    pose = machine_pose(settings, still, gear.sense)
+    tip_center = pose.to_member(pose.center, still, point=True)[:, 0]
+    axis = pose.to_member(pose.frame[2], still, point=False)[:, 0]
+
+    # The pinion's cutter reaches from the gear's body to the pinion; its machine frame is the gear's with z reversed.
+    tip_center = tip_center - blade_height * axis
+    towards_pinion = np.array([-axis[0], -axis[1], axis[2]])
+    cradle_angle = float(np.arctan2(tip_center[1], tip_center[0]))
+    pinion_settings = MachineSettings(
+        radial_distance=float(np.hypot(tip_center[0], tip_center[1])),
+        cradle_angle=cradle_angle,
+        machine_root_angle=assembly.shaft_angle - np.pi / 2,
+        work_offset=assembly.hypoid_offset,
+        sliding_base=float(tip_center[2]),
+        cutter_tilt=float(np.arccos(np.clip(towards_pinion[2], -1.0, 1.0))),
+        cutter_swivel=cradle_angle - float(np.arctan2(towards_pinion[0], -towards_pinion[1])),
+        ratio_of_roll=assembly.ratio,
+        indexing_ratio=settings.indexing_ratio * assembly.ratio,
+    )
+    return _mate(gear, blade_height, pinion_settings)
+
+
+def _mate(gear: GeneratingSurface, blade_height: float, settings: MachineSettings) -> GeneratingSurface:
+    """The pinion flank that the other side of a gear's blade cuts."""
+    hand: Hand = "left" if gear.hand == "right" else "right"
+    return replace(gear, blade=other_side(gear.blade, blade_height), settings=settings, hand=hand, sense=-1)
+
+
+def other_side(blade: Blade, height: float) -> Blade:
+    """Same edge as a blade that points the other way, its tip ``height`` [mm] further up the cutter axis.
+
+    Both are written along radius, tangent and their own axis; the new axis is the old one reversed. The plane of the
+    edge stays: its normal fixes rake and hook.
+    """
+    (tip_r, tip_t), edge, (outward, upward) = blade.tip, np.array(blade.edge), blade.plane
+    reversed_axis = np.array([1.0, 1.0, -1.0])
+    along = -height / edge[2]
+    tip = complex(tip_r + along * edge[0], tip_t + along * edge[1])
+    if blade.offset_angle == 0.0 and tip.real <= 0.0:
+        raise GeometryError(f"the gear's cutter cone ends before the pinion's root, {height} mm from its blade tip")
+    offset_angle = math.atan2(tip.imag, tip.real)
+
+    def from_tip(vector: Array) -> Array:
+        """Components with the radius through the new tip."""
+        lateral = complex(vector[0], vector[1]) * abs(tip) / tip
+        return np.array([lateral.real, lateral.imag, vector[2]])
+
+    across = from_tip(blade.side_sign * np.cross(outward, upward) * reversed_axis)
+    rake_angle, hook_angle = -math.asin(across[0]), math.atan2(across[2], across[1])
+    side: BladeSide = "outside" if blade.side == "inside" else "inside"
+    turned = Blade(abs(tip), 0.0, side, offset_angle, rake_angle, hook_angle)
+    new_edge, new_outward = -edge * reversed_axis, np.array(turned.plane[0])
+    pressure_angle = math.asin(float(new_edge @ new_outward))
+    touching = (along - blade.reference_height / math.cos(blade.pressure_angle)) * math.cos(pressure_angle)
+    return replace(
+        turned,
+        pressure_angle=pressure_angle,
+        spheric_radius=None if blade.spheric_radius is None else -blade.spheric_radius,
+        reference_height=touching if blade.spheric_radius is not None else 0.0,
+        edge_radius=blade.edge_radius,
+    )
+
+
+TILT_ROUNDING = 1e-9  # [rad]; a smaller tilt is none
+
+
+def crown_gear_pinion(
+    gear: GeneratingSurface, assembly: Assembly, blade_height: float, pitch_point_azimuth: float = 0.0
+) -> GeneratingSurface:
+    """Pinion flank cut by the crown gear that generates a gear flank: a spiral bevel pair of both has no ease-off.
+
+    The crown gear has to roll on the pitch cone for that. The misalignment is not used; ``blade_height`` [mm], between
+    the tips of both cutters along their axis, is where the pinion's root is to be.
+    """
+    settings = gear.settings
+    if settings.ratio_of_roll is None:
+        raise GeometryError("the gear is Formate: no crown gear generates it, take conjugate_pinion")
+    still = np.zeros(1)
+    pose = machine_pose(settings, still, gear.sense)
+    turn = np.full(1, pitch_point_azimuth)
+
+    def in_space(vector: object, *, point: bool = False) -> np.ndarray:
+        """A vector in the cradle's frame as the nominal pair has it, seen from a right-hand gear."""
+        column = np.reshape(np.asarray(vector, dtype=float), (3, 1))
+        return np.asarray(rotate_z(turn, pose.to_member(column, still, point=point)))[:, 0]
+
+    cutter_axis = in_space(pose.frame[2])
+    tip_center = in_space(pose.center, point=True) - blade_height * cutter_axis
+    machine_center = in_space((0.0, 0.0, 0.0), point=True)
+
+    # The pinion's machine: its cradle axis is the same, reversed; a left-hand pinion is described by its mirror image.
+    z = -in_space((0.0, 0.0, 1.0))
+    work_axis = np.array([math.sin(assembly.shaft_angle), 0.0, math.cos(assembly.shaft_angle)])
+    sine = float(work_axis @ z)
+    cosine = math.sqrt(max(0.0, 1.0 - sine**2))
+    if cosine < 1e-6:
+        raise GeometryError("the axis of the crown gear is the pinion's: it cannot generate the pinion")
+    x = (work_axis - sine * z) / cosine
+    axes = np.stack([x, -np.cross(z, x), z])
+    tip = axes @ (tip_center - machine_center)
+    crossing_point = axes @ (np.array([0.0, assembly.hypoid_offset, 0.0]) - machine_center)
+    towards_pinion = axes @ -cutter_axis
+    cradle_angle = math.atan2(tip[1], tip[0])
+    center = float(crossing_point[0]) / cosine
+    tilt = math.atan2(math.hypot(towards_pinion[0], towards_pinion[1]), towards_pinion[2])
+    if tilt < TILT_ROUNDING:
+        tilt, swivel = 0.0, 0.0
+    else:
+        swivel = cradle_angle - math.atan2(towards_pinion[0], -towards_pinion[1])
+    pinion_settings = MachineSettings(
+        radial_distance=math.hypot(tip[0], tip[1]),
+        cradle_angle=cradle_angle,
+        machine_root_angle=math.asin(min(1.0, max(-1.0, sine))),
+        work_offset=float(crossing_point[1]),
+        sliding_base=float(crossing_point[2] - tip[2]) - center * sine,
+        machine_center_to_crossing_point=center,
+        cutter_tilt=tilt,
+        cutter_swivel=swivel,
+        ratio_of_roll=settings.ratio_of_roll * assembly.ratio,
+        indexing_ratio=settings.indexing_ratio * assembly.ratio,
+    )
+    return _mate(gear, blade_height, pinion_settings)
+
+
+def pitch_point_azimuth(blank: BlankDimensions, hypoid_offset: float) -> float:
+    """Azimuth of the pitch point about the gear axis [rad], towards the pinion's offset [mm] with its sign.
+
+    The common normal of the pitch cones stands at the pitch angle to either axis.
+    """
+    if hypoid_offset == 0.0:
+        return 0.0
+    pinion, gear, shaft = blank.pinion.pitch_angle, blank.gear.pitch_angle, blank.shaft_angle
+    cosine = (math.sin(pinion) + math.cos(shaft) * math.sin(gear)) / (math.sin(shaft) * math.cos(gear))
+    return math.copysign(math.acos(min(1.0, max(-1.0, cosine))), hypoid_offset)

@@ -4,50 +4,28 @@ The angles of a generated flank at a point of the pitch cone, measured on the su
 
 A blank prescribes spiral angle and pressure angle at the mean point; basic settings aim at them by formulas. Here they
 are measured, so that the settings can be corrected until the flank has them.
+
+From the pitch cones to the teeth: pressure angles, depth, face and root cones, face width, thickness.
+
+One function for each step of ISO 23509:2016, clause 7. Pairs of values are ordered pinion, gear.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import instance
-from ...core.errors import GeometryError
+from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface, Hand
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import solve_flank
-from .iso23509.blank_design import BlankDesign
-from .iso23509.blank_dimensions import BlankDimensions, MemberBlank, MemberFrame, gear_taper_angles, member_blank
+from .iso23509.blank_design import BlankDesign as BlankDesign
+from .iso23509.blank_dimensions import BlankDimensions as BlankDimensions, MemberBlank, MemberFrame, member_blank
 from .iso23509.pitch_cones import PitchCones, crown_gear, pitch_cones
-from .iso23509.symbols import ISO_INPUT_SYMBOLS, ISO_SYMBOLS, blank_design_from_symbols, dimensions_by_symbol
-from .iso23509.teeth import (
-    PressureAngles,
-    ToothDepth,
-    mating_cone,
-    pinion_face_width,
-    pressure_angles,
-    thickness_modification,
-    tooth_depth,
-    width_in_pitch_plane,
-)
-
-__all__ = [
-    "ISO_INPUT_SYMBOLS",
-    "ISO_SYMBOLS",
-    "BlankDesign",
-    "BlankDimensions",
-    "MemberBlank",
-    "PitchCones",
-    "blank_design_from_symbols",
-    "blank_dimensions",
-    "dimensions_by_symbol",
-    "gear_taper_angles",
-    "pitch_cones",
-]
 
 
 @dataclass(frozen=True)
@@ -143,20 +121,17 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
         pitch_angle=cones.pinion_pitch_angle,
         mean_cone_distance=cones.pinion_mean_cone_distance,
         mean_point_distance=mean.pinion_distance,
-        outer_width=width.outside,
-        inner_width=width.inside,
+        outer_face_width=width.outside,
+        inner_face_width=width.inside,
         face_angle=pinion_face.angle,
         root_angle=pinion_root.angle,
         face_apex=pinion_face.apex,
         root_apex=pinion_root.apex,
-        addendum=depth.addendum[0],
-        dedendum=depth.dedendum[0],
-        spiral_angles=(
-            outer_spiral + math.asin(plane_offset / outer_reach),
-            cones.pinion_mean_spiral_angle,
-            inner_spiral + math.asin(plane_offset / inner_reach),
-        ),
-        profile_shift_coefficient=depth.profile_shift_coefficient,
+        mean_addendum=depth.addendum[0],
+        mean_dedendum=depth.dedendum[0],
+        outer_spiral_angle=outer_spiral + math.asin(plane_offset / outer_reach),
+        mean_spiral_angle=cones.pinion_mean_spiral_angle,
+        inner_spiral_angle=inner_spiral + math.asin(plane_offset / inner_reach),
         thickness_modification_coefficient=changes[0],
     )
     gear = MemberFrame(
@@ -164,22 +139,23 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
         pitch_angle=gear_angle,
         mean_cone_distance=gear_distance,
         mean_point_distance=mean.gear_distance,
-        outer_width=mean.gear_outer - gear_distance,
-        inner_width=gear_distance - mean.gear_inner,
+        outer_face_width=mean.gear_outer - gear_distance,
+        inner_face_width=gear_distance - mean.gear_inner,
         face_angle=face_angle,
         root_angle=root_angle,
         face_apex=face_apex,
         root_apex=root_apex,
-        addendum=depth.addendum[1],
-        dedendum=depth.dedendum[1],
-        spiral_angles=(gear_outer_spiral, cones.gear_mean_spiral_angle, crown.spiral_angle(mean.gear_inner)),
-        profile_shift_coefficient=-depth.profile_shift_coefficient,
+        mean_addendum=depth.addendum[1],
+        mean_dedendum=depth.dedendum[1],
+        outer_spiral_angle=gear_outer_spiral,
+        mean_spiral_angle=cones.gear_mean_spiral_angle,
+        inner_spiral_angle=crown.spiral_angle(mean.gear_inner),
         thickness_modification_coefficient=changes[1],
     )
-    pinion_blank = member_blank(pinion, mean.module, pressure.mean)
+    pinion_blank = member_blank(pinion, mean.module, pressure.mean, depth.profile_shift_coefficient)
     return BlankDimensions(
         pinion=pinion_blank,
-        gear=member_blank(gear, mean.module, pressure.mean),
+        gear=member_blank(gear, mean.module, pressure.mean, -depth.profile_shift_coefficient),
         shaft_angle=cones.shaft_angle,
         hypoid_offset=cones.hypoid_offset,
         gear_ratio=design.number_of_teeth[1] / design.number_of_teeth[0],
@@ -248,22 +224,41 @@ def _mean_point(design: BlankDesign, cones: PitchCones) -> _MeanPoint:
 def _gear_taper(
     design: BlankDesign, cones: PitchCones, mean: _MeanPoint, pressure: PressureAngles, depth: ToothDepth
 ) -> tuple[float, float]:
-    """Addendum and dedendum angle of the gear, as given or by the kind of taper [rad]."""
+    """Addendum and dedendum angle of the gear, as given or by the kind of taper [rad] (annex C.5).
+
+    Their sum over both members opens the roots towards the heel. Standard taper makes the depth proportional to the
+    cone distance; constant slot width (duplex) tilts the root line until a slot has the same width at toe and heel, so
+    that one cutter can finish both flanks; modified slot width (tilted root line) does the same up to 1.3 times the
+    standard sum.
+    """
+    taper, distance = design.depth_taper, cones.gear_mean_cone_distance
     if design.gear_addendum_angle is not None and design.gear_dedendum_angle is not None:
         return design.gear_addendum_angle, design.gear_dedendum_angle
-    return gear_taper_angles(
-        design.depth_taper or "uniform",
-        pinion_mean_dedendum=depth.dedendum[0],
-        gear_mean_dedendum=depth.dedendum[1],
-        gear_mean_addendum=depth.addendum[1],
-        mean_working_depth=depth.working_depth,
-        outer_transverse_module=mean.outer_module,
-        gear_outer_cone_distance=mean.gear_outer,
-        gear_mean_cone_distance=cones.gear_mean_cone_distance,
-        mean_normal_pressure_angle=pressure.mean,
-        gear_mean_spiral_angle=cones.gear_mean_spiral_angle,
-        cutter_radius=design.cutter_radius,
-    )
+    if taper == "uniform":
+        return 0.0, 0.0
+    # the gear's face cone follows the pinion's root cone (C.3, C.6 to C.8)
+    of_pinion = math.atan(depth.dedendum[0] / distance)
+    standard = of_pinion + math.atan(depth.dedendum[1] / distance)
+    if taper == "standard":
+        return of_pinion, standard - of_pinion
+    total = _constant_slot_width(design, cones, mean, pressure)
+    if taper == "modified_slot_width":
+        total = min(total, 1.3 * standard)
+    addendum_angle = total * depth.addendum[1] / depth.working_depth
+    return addendum_angle, total - addendum_angle
+
+
+def _constant_slot_width(design: BlankDesign, cones: PitchCones, mean: _MeanPoint, pressure: PressureAngles) -> float:
+    """Sum of both dedendum angles with constant slot width [rad] (C.5)."""
+    distance, spiral = cones.gear_mean_cone_distance, cones.gear_mean_spiral_angle
+    opening = 1.0 - distance * math.sin(spiral) / design.cutter_radius
+    if opening < 0.0:
+        raise GeometryError(
+            f"cutter_radius = {design.cutter_radius:g} mm: too small for this depth_taper, must be at least "
+            f"{distance * math.sin(spiral):g} mm"
+        )
+    width = mean.gear_outer * math.tan(pressure.mean) * math.cos(spiral)
+    return math.pi / 2 * mean.outer_module / width * opening
 
 
 def _normal_whole_depth(pinion: MemberBlank) -> float:
@@ -271,9 +266,6 @@ def _normal_whole_depth(pinion: MemberBlank) -> float:
     along_face = (pinion.face_apex + pinion.crown_distance) / math.cos(pinion.face_angle)
     depth = along_face * math.sin(pinion.addendum_angle + pinion.dedendum_angle)
     return depth - (pinion.root_apex - pinion.face_apex) * math.sin(pinion.root_angle)
-
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -287,10 +279,7 @@ class MeanPointAngles:
 
 def mean_point_angles(surface: GeneratingSurface, section: BlankSection, member: MemberBlank) -> MeanPointAngles:
     """Angles of a flank at the mean point of its blank; GeometryError if it does not pass through that point."""
-    sine, cosine = math.sin(member.pitch_angle), math.cos(member.pitch_angle)
-    axial = member.mean_cone_distance * cosine - member.pitch_apex
-    radial = member.mean_cone_distance * sine
-    flank = solve_flank(surface, section, np.array([axial]), np.array([radial]))
+    flank = solve_flank(surface, section, *np.array(member.mean_point)[:, None])
     position, normal = flank.position[:, 0], flank.normal[:, 0]
     if not np.all(np.isfinite(position)):
         raise GeometryError("the flank does not pass through the mean point of its blank")
@@ -314,3 +303,193 @@ def angles_of_normal(position: Array, normal: Array, pitch_angle: float, hand: H
         pressure_angle=math.asin(off_cone),
         azimuth=azimuth,
     )
+
+
+@dataclass(frozen=True)
+class PressureAngles:
+    """Normal pressure angles of both flanks [rad] (formulas 117 to 121 and 201)."""
+
+    limit: float
+    generated_drive: float
+    generated_coast: float
+
+    @property
+    def effective_drive(self) -> float:
+        """Angle against the limit flank, drive side (alpha_eD) [rad]."""
+        return self.generated_drive - self.limit
+
+    @property
+    def effective_coast(self) -> float:
+        """Angle against the limit flank, coast side (alpha_eC) [rad]."""
+        return self.generated_coast + self.limit
+
+    @property
+    def mean(self) -> float:
+        """Mean of both generated angles (alpha_n) [rad]."""
+        return (self.generated_drive + self.generated_coast) / 2.0
+
+
+@dataclass(frozen=True)
+class ToothDepth:
+    """Tooth depth at the mean point [mm] (formulas 132 to 139), with the coefficients it came from."""
+
+    profile_shift_coefficient: float
+    thickness_modification_coefficient: float
+    working_depth: float
+    clearance: float
+    addendum: tuple[float, float]
+    dedendum: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class MatingCone:
+    """Cone of the pinion that runs at a distance along a cone of the gear."""
+
+    offset_angle: float
+    angle: float
+    apex: float
+
+
+@dataclass(frozen=True)
+class PinionFaceWidth:
+    """Face width of the pinion from the mean point outwards and inwards [mm] (formulas 156 to 173)."""
+
+    outside: float
+    inside: float
+    axial_angle: float = math.nan
+    face_contact_width: float = math.nan
+
+
+def pressure_angles(design: BlankDesign, cones: PitchCones) -> PressureAngles:
+    """Pressure angles, shifted by the asked share of the limit pressure angle."""
+    limit = cones.limit_pressure_angle
+    shift = design.limit_pressure_angle_influence * limit
+    return PressureAngles(
+        limit, design.nominal_drive_pressure_angle + shift, design.nominal_coast_pressure_angle - shift
+    )
+
+
+def tooth_depth(design: BlankDesign, module: float, normal_pressure_angle: float) -> ToothDepth:
+    """Tooth depth from data type I, or from type II turned into type I (ISO 23509:2016, table 4)."""
+    shift, thickness = design.profile_shift_coefficient, design.thickness_modification_coefficient
+    above, below = design.basic_addendum_factor, design.basic_dedendum_factor
+    if design.depth_factor is not None:
+        addendum_factor, clearance_factor = design.gear_mean_addendum_factor, design.clearance_factor
+        if addendum_factor is None or clearance_factor is None:
+            raise InputError("gear_mean_addendum_factor, clearance_factor: data type II needs both")
+        above = design.depth_factor / 2.0
+        shift = design.depth_factor * (0.5 - addendum_factor)
+        below = design.depth_factor * (clearance_factor + 0.5)
+        if design.thickness_factor is not None:
+            thickness = design.thickness_factor / 2.0
+        elif design.gear_mean_slot_width is not None:
+            # the slot narrows from its width at the pitch cone by both flanks down to the gear's dedendum
+            slope = math.tan(normal_pressure_angle)
+            thickness = (design.gear_mean_slot_width / module + 2.0 * below * slope - math.pi / 2.0) / 2.0
+    if shift is None or above is None or below is None or thickness is None:
+        raise InputError("profile_shift_coefficient: data type I is incomplete")
+    return ToothDepth(
+        profile_shift_coefficient=shift,
+        thickness_modification_coefficient=thickness,
+        working_depth=2.0 * module * above,
+        clearance=module * (below - above),
+        addendum=(module * (above + shift), module * (above - shift)),
+        dedendum=(module * (below - shift), module * (below + shift)),
+    )
+
+
+def mating_cone(
+    cones: PitchCones, gear_pitch_apex: float, cone_angle: float, taper: float, apex: float, clearance: float
+) -> MatingCone:
+    """Pinion cone that clears a gear cone: face over root, or root under face (formulas 142 to 147, 152, 153).
+
+    Angles [rad]; apexes beyond the crossing point and clearance [mm]; ``taper`` is the angle of that cone against the
+    pitch cone, without sign. GeometryError if the offset leaves no common plane.
+    """
+    excess, offset = cones.shaft_angle - math.pi / 2, cones.hypoid_offset
+    reach = cones.gear_mean_cone_distance * math.cos(taper) - gear_pitch_apex * math.cos(cone_angle)
+    tilt = math.atan(offset * math.tan(excess) * math.cos(cone_angle) / reach)
+    sine = offset * math.cos(tilt) * math.sin(cone_angle) / reach
+    if not abs(sine) < 1.0:
+        raise GeometryError(f"hypoid_offset = {offset:g} mm: no pinion cone can follow the gear's face and root cones")
+    turn = math.asin(sine) - tilt
+    angle = math.asin(
+        math.sin(excess) * math.sin(cone_angle) + math.cos(excess) * math.cos(cone_angle) * math.cos(turn)
+    )
+    level = offset * math.sin(turn) * math.cos(cone_angle) - apex * math.sin(cone_angle)
+    return MatingCone(turn, angle, (level - clearance) / math.sin(angle))
+
+
+def width_in_pitch_plane(cones: PitchCones, inner: float, outer: float) -> float:
+    """Pinion face width between two cone distances of the gear [mm] (formulas 154 and 155)."""
+    offset = cones.gear_mean_cone_distance * math.sin(cones.offset_angle)
+    if not inner > abs(offset):
+        raise GeometryError(f"gear_face_width: the gear's inner cone distance {inner:g} mm falls short of the offset")
+    return math.sqrt(outer**2 - offset**2) - math.sqrt(inner**2 - offset**2)
+
+
+def pinion_face_width(
+    design: BlankDesign, cones: PitchCones, module: float, depth: ToothDepth, face: MatingCone
+) -> PinionFaceWidth:
+    """Face width of the pinion by the rule of its method (formulas 156 to 173); method 1 uses the face cone."""
+    width, share = design.gear_face_width, cones.face_width_factor
+    if design.method == 0:
+        return PinionFaceWidth(share * width, (1.0 - share) * width)
+    if design.method == 2:
+        total = width * (1.0 + math.tan(cones.offset_angle) ** 2)
+        return PinionFaceWidth(share * total, (1.0 - share) * total)
+    if design.method == 3:
+        outer = cones.gear_mean_cone_distance + share * width
+        inner = outer - width
+        in_plane = width_in_pitch_plane(cones, inner, outer)
+        # the standard asks for a whole number of millimetres
+        total = math.floor(in_plane + 3.0 * module * abs(math.tan(cones.offset_angle)) + 1.0)
+        inside = width_in_pitch_plane(cones, inner, cones.gear_mean_cone_distance) + (total - in_plane) / 2.0
+        return PinionFaceWidth(total - inside, inside)
+    return _gleason_face_width(design, cones, depth, face)
+
+
+def _gleason_face_width(design: BlankDesign, cones: PitchCones, depth: ToothDepth, face: MatingCone) -> PinionFaceWidth:
+    """Face width of the pinion long enough to cover the gear's, along its axis (formulas 159 to 165)."""
+    ratio = design.number_of_teeth[1] / design.number_of_teeth[0]
+    pinion, gear, turn = cones.pinion_pitch_angle, cones.gear_pitch_angle, cones.offset_angle
+    axial_angle = math.atan2(
+        math.sin(turn) * math.cos(gear), ratio * math.cos(pinion) + math.cos(gear) * math.cos(turn)
+    )
+    contact = design.gear_face_width * math.cos(axial_angle) / math.cos(turn - axial_angle)
+    # one millimetre along the pitch cone covers this much of the pinion axis, measured on the face cone
+    axial = math.cos(face.angle) / math.cos(face.angle - pinion)
+    margin = depth.working_depth * abs(math.sin(face.offset_angle)) * (1.0 - 1.0 / ratio)
+    step = (depth.dedendum[1] - depth.clearance) * math.sin(pinion)
+    raised = depth.addendum[0] * math.sin(pinion)
+    share = cones.face_width_factor
+    outside = (share * contact * axial + margin - step + raised) / axial
+    inside = ((1.0 - share) * contact * axial + margin + step - raised) / axial
+    return PinionFaceWidth(outside, inside, axial_angle, contact)
+
+
+def thickness_modification(
+    design: BlankDesign,
+    module: float,
+    theoretical: float,
+    normal_pressure_angle: float,
+    spiral_angles: tuple[float, float],
+    cone_distances: tuple[float, float],
+) -> tuple[float, float]:
+    """Coefficients x_sm1, x_sm2, half the backlash taken off each member (formulas 202 to 210).
+
+    ``theoretical`` is x_smn, without backlash; spiral angles [rad] and cone distances [mm] are the gear's (mean,
+    outer).
+    """
+    mean_spiral, outer_spiral = spiral_angles
+    scale = cone_distances[0] / cone_distances[1]
+    normal = 1.0 / math.cos(normal_pressure_angle)
+    factors = (
+        (design.outer_normal_backlash, normal * scale * math.cos(mean_spiral) / math.cos(outer_spiral)),
+        (design.outer_transverse_backlash, scale * math.cos(mean_spiral)),
+        (design.mean_normal_backlash, normal),
+        (design.mean_transverse_backlash, math.cos(mean_spiral)),
+    )
+    # normal to the tooth at the mean point, as the circular thickness that both members lose together
+    lost = sum(backlash * factor for backlash, factor in factors if backlash is not None)
+    return theoretical - lost / (4.0 * module), -theoretical - lost / (4.0 * module)

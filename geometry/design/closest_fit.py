@@ -13,6 +13,7 @@ import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -23,8 +24,7 @@ from ..cutting.named_settings import get_setting, step_count, with_settings
 from ..pair.gear_pair import FlankName, GearPair
 from ..tooth.tooth_surface import tip_gap
 from .pinion_method import ADVICE
-from .root_line import root_gap
-from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion, root_cost
+from .synthesis import FREE_SETTINGS_WITH_ROOT_ANGLE, EaseOffTarget, Synthesis, fit_pinion, root_cost, root_gap
 
 SMALL_RESIDUAL = 0.001  # [mm]; a smaller residual is good for any target
 GOOD_SHARE = 0.1  # of the target's range; a smaller residual is good
@@ -134,34 +134,17 @@ def best_fit(
     The start of a Formate gear comes last. Blade tips further off the root cone than the clearance [mm] are not good.
     Blades are put at their steps and the machine settings fitted once more.
     """
-    best: Synthesis | None = None
-    from_start, margin_of_best = starts[-1], 0.0
-    failure = GeometryError("no start")
-    for pair, margin, attempt in _attempts(starts, target, free, follow_root):
-        try:
-            fit = attempt()
-        except GeometryError as error:
-            failure = error
-            continue
-        if best is None or _cost(fit, follow_root) < _cost(best, follow_root):
-            best, from_start, margin_of_best = fit, pair, margin
-        enough = len(starts) > 1 or best.rms < RETRY_RESIDUAL
-        if enough and _good(best, target, clearance if follow_root else math.inf):
-            break
-    if best is None:
-        raise failure
-    return _stepped(best, from_start, target, follow_root, margin_of_best, steps)
 
+    def cost(fit: Synthesis) -> float:
+        """Mean square of the residual [mm^2], with that of the root line as the fit weighs it."""
+        return fit.rms**2 + (root_cost(fit) / fit.residual.size if follow_root else 0.0)
 
-def _stepped(
-    fit: Synthesis,
-    pair: GearPair,
-    target: EaseOffTarget,
-    follow_root: bool,
-    fold_margin: float,
-    steps: StandardSteps,
-) -> Synthesis:
-    """The fit with its blade at standard steps, and the other settings fitted once more."""
+    def good(fit: Synthesis) -> bool:
+        enough = len(starts) > 1 or fit.rms < RETRY_RESIDUAL
+        return enough and is_good(fit, target, clearance if follow_root else math.inf)
+
+    (pair, fold_margin), fit = first_good(_attempts(starts, target, free, follow_root), cost, good)
+    # The blade at standard steps, and the other settings fitted once more.
     milled = fit.surface.settings.indexing_ratio == 0.0
     blade = {name: v for name, v in steps.blade(fit.surface, with_radius=milled).items() if name in fit.moved}
     if not blade:
@@ -172,21 +155,46 @@ def _stepped(
         again = _from_crown_gear(near, target, names, follow_root)
     else:
         again = fit_pinion(near, target, free=names, follow_root=follow_root)
-    return _started_from(pair.pinion.loaded, again, fit.moved)
+    return started_from(pair.pinion.loaded, again, fit.moved)
+
+
+Start = TypeVar("Start")
+Fit = TypeVar("Fit")
+
+
+def first_good(
+    attempts: Iterable[tuple[Start, Callable[[], Fit]]], cost: Callable[[Fit], float], good: Callable[[Fit], bool]
+) -> tuple[Start, Fit]:
+    """Start and fit of the first good attempt, else of the one that costs least; GeometryError if all fail."""
+    best: tuple[Start, Fit] | None = None
+    failure = GeometryError("no start")
+    for start, attempt in attempts:
+        try:
+            fit = attempt()
+        except GeometryError as error:
+            failure = error
+            continue
+        if best is None or cost(fit) < cost(best[1]):
+            best = start, fit
+        if good(best[1]):
+            break
+    if best is None:
+        raise failure
+    return best
 
 
 def _attempts(
     starts: Sequence[GearPair], target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool
-) -> Iterator[tuple[GearPair, float, Callable[[], Synthesis]]]:
+) -> Iterator[tuple[tuple[GearPair, float], Callable[[], Synthesis]]]:
     """Fits to try, the most promising first, with the pair and the fold margin that each starts from."""
     *crown_gear, conjugate = starts
     choices = [free] if free is not None else [FREE_SETTINGS_WITH_ROOT_ANGLE, None] if follow_root else [None]
     for pair in crown_gear:
         for names in choices:
-            yield pair, FOLD_MARGIN, partial(_from_crown_gear, pair, target, names, follow_root)
-    yield conjugate, 0.0, partial(fit_pinion, conjugate, target, free=free, follow_root=follow_root)
+            yield (pair, FOLD_MARGIN), partial(_from_crown_gear, pair, target, names, follow_root)
+    yield (conjugate, 0.0), partial(fit_pinion, conjugate, target, free=free, follow_root=follow_root)
     if follow_root and free is None:
-        yield conjugate, 0.0, partial(_form_first, conjugate, target)
+        yield (conjugate, 0.0), partial(_form_first, conjugate, target)
 
 
 def _from_crown_gear(pair: GearPair, target: EaseOffTarget, free: Sequence[str] | None, follow_root: bool) -> Synthesis:
@@ -203,7 +211,7 @@ def _from_crown_gear(pair: GearPair, target: EaseOffTarget, free: Sequence[str] 
         again = fit_pinion(
             near, target, free=free, follow_root=follow_root, fold_margin=FOLD_MARGIN, wanted_root=wanted
         )
-        fit = _started_from(pair.pinion.loaded, again, again.moved)
+        fit = started_from(pair.pinion.loaded, again, again.moved)
         if not np.any(np.abs(fit.root_gap) > ROOT_TOLERANCE):
             break
         surface, height = fit.surface, fit.root_gap
@@ -211,7 +219,7 @@ def _from_crown_gear(pair: GearPair, target: EaseOffTarget, free: Sequence[str] 
     return fit
 
 
-def _started_from(start: GeneratingSurface, fit: Synthesis, names: Iterable[str]) -> Synthesis:
+def started_from(start: GeneratingSurface, fit: Synthesis, names: Iterable[str]) -> Synthesis:
     """The fit, with the settings of the flank at which the search began."""
     return replace(fit, moved={name: (get_setting(start, name), get_setting(fit.surface, name)) for name in names})
 
@@ -221,16 +229,11 @@ def _form_first(pair: GearPair, target: EaseOffTarget) -> Synthesis:
     form = fit_pinion(pair, target)
     near = replace(pair, pinion=replace(pair.pinion, loaded=form.surface))
     fit = fit_pinion(near, target, follow_root=True)
-    return _started_from(pair.pinion.loaded, fit, fit.moved)
+    return started_from(pair.pinion.loaded, fit, fit.moved)
 
 
-def _cost(fit: Synthesis, follow_root: bool) -> float:
-    """Mean square of the residual [mm^2], with that of the root line as the fit weighs it."""
-    root = root_cost(fit) / fit.residual.size if follow_root else 0.0
-    return fit.rms**2 + root
-
-
-def _good(fit: Synthesis, target: EaseOffTarget, root_limit: float) -> bool:
+def is_good(fit: Synthesis, target: EaseOffTarget, root_limit: float) -> bool:
+    """True if a fit is near its target, and its blade tips within a limit [mm] of the root cone."""
     return fit.largest_residual <= residual_limits(target)[0] and (
         math.isinf(root_limit) or bool(np.all(np.abs(fit.root_gap) <= root_limit))
     )

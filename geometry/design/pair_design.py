@@ -10,26 +10,34 @@ from functools import partial
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..pair.assembly import Assembly
-from ..pair.backlash import filling_thickness
-from ..pair.gear_pair import FlankName, GearPair, Member, thickness_per_angle
-from ..pair.tooth_body import middle_angle
-from ..pair.tooth_thickness import mid_flank_thickness
+from ..pair.gear_pair import FlankName, GearPair, Member, left_by_cutter, thickness_per_angle
+from ..pair.tooth_thickness import filling_thickness, mid_flank_thickness
 from ..tooth.tooth_flanks import MemberName
-from .basic_settings import NO_STEPS, Flanks, blank_section, formate_gear, generated_gear
+from .basic_settings import (
+    NO_STEPS,
+    Flanks,
+    blank_section,
+    conjugate_pinion,
+    crown_gear_pinion,
+    formate_gear,
+    generated_gear,
+    pitch_point_azimuth,
+)
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
 from .closest_fit import BLANK_ADVICE, StandardSteps, best_fit, require_usable
-from .conjugate_pinion import conjugate_pinion, crown_gear_pinion, pitch_point_azimuth
-from .edge_radius import (
+from .pinion_method import ADVICE, PinionMethod, SettingLimits
+from .set_up_fit import along_the_root, best_set_up
+from .slot_width import (
+    EdgeRadiusLimits,
+    SlotWidths,
     ToothCheck,
+    ToothLine,
     allowed_edge_radius,
     fitting_edge_radius,
     require_whole_tooth,
     rounded,
     usual_edge_radii,
 )
-from .pinion_method import ADVICE, PinionMethod, SettingLimits
-from .set_up_fit import along_the_root, best_set_up
-from .slot_width import EdgeRadiusLimits, SlotWidths, ToothLine
 from .synthesis import EaseOffTarget, Synthesis
 from .tooth_proportions import ToothProportions
 
@@ -191,10 +199,7 @@ def _thickness_in_slot(blank: BlankDimensions, pair: GearPair) -> float:
 
 def _left_thickness(pair: GearPair) -> float:
     """Normal circular thickness that one cutter leaves of the pinion's tooth, in the middle of the flank [mm]."""
-    pinion = pair.pinion
-    assert pinion.opposite is not None  # a designed pinion has both flanks
-    _, angle = middle_angle(pinion.section, pinion.loaded, pinion.opposite)
-    return angle % (2.0 * math.pi / pinion.teeth) * thickness_per_angle(pinion)
+    return left_by_cutter(pair.pinion) * thickness_per_angle(pair.pinion)
 
 
 def _middle_thickness(blank: BlankDimensions, gear: Flanks) -> float:

@@ -17,29 +17,22 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, with_settings
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import solve_flank
 from ..newton import solve
-from ..pair.ease_off import exact_ease_off
-from ..pair.gear_pair import FlankName, GearPair, grid
+from ..pair.gear_pair import FlankName, GearPair
 from ..tooth.tooth_surface import tip_gap
 from .blank import BlankDimensions
-from .closest_fit import BLANK_ADVICE, StandardSteps, residual_limits
-from .ease_off_residual import EaseOffResidual, Tie
-from .iso23509.blank_dimensions import MemberBlank
+from .closest_fit import BLANK_ADVICE, StandardSteps, first_good, is_good, started_from
 from .pinion_method import BLADE_SETTINGS, SettingLimits, SetUpMethod, shared_settings
-from .root_line import RootLine, root_gap
-from .synthesis import EaseOffTarget, Synthesis, root_cost
-
-Array = NDArray[Any]
+from .synthesis import EaseOffResidual, EaseOffTarget, Synthesis, root_cost, root_gap
 
 
 @dataclass
@@ -56,13 +49,11 @@ class MeanSlot:
         cls, concave: GeneratingSurface, convex: GeneratingSurface, section: BlankSection, blank: BlankDimensions
     ) -> MeanSlot:
         """The slot of the pinion of a blank. Raises GeometryError if the cutter meets no tooth of it."""
-        member: MemberBlank = blank.pinion
-        axial = member.mean_cone_distance * math.cos(member.pitch_angle) - member.pitch_apex
-        radial = member.mean_cone_distance * math.sin(member.pitch_angle)
-        point = np.array([[axial], [radial]])
+        member = blank.pinion
+        point = np.array(member.mean_point)[:, None]
         parameters = [solve_flank(surface, section, point[0], point[1]).parameters for surface in (concave, convex)]
         wanted = math.pi * blank.mean_normal_module - member.mean_normal_thickness
-        return cls(point, radial * math.cos(member.mean_spiral_angle), wanted, (parameters[0], parameters[1]))
+        return cls(point, point[1, 0] * math.cos(member.mean_spiral_angle), wanted, (parameters[0], parameters[1]))
 
     def width(self, concave: GeneratingSurface, convex: GeneratingSurface) -> float:
         """Normal width of the slot that two flanks of one set-up leave [mm]; NaN where a flank is not found."""
@@ -98,30 +89,20 @@ class MeanSlot:
 CENTER = "machine_center_to_crossing_point"
 
 
-def root_tie(blank: BlankDimensions, free: Sequence[str]) -> Tie | None:
-    """The sliding base that keeps the root on its cone where only the machine centre moves it; ``None`` if it is free.
+def _on_the_root(blank: BlankDimensions, values: Mapping[str, float]) -> Mapping[str, float]:
+    """The sliding base that keeps the root on its cone where only the machine centre moves it.
 
     Without tilt, and with the blank's machine root angle, the tip plane of the cutter envelops the root cone: it has to
     pass through the apex of that cone.
     """
-    if "sliding_base" in free:
-        return None
     root = blank.pinion
-
-    def tie(values: Mapping[str, float]) -> Mapping[str, float]:
-        center = values[CENTER]
-        return {"sliding_base": (root.root_apex - center) * math.sin(root.root_angle)}
-
-    return tie
+    return {"sliding_base": (root.root_apex - values[CENTER]) * math.sin(root.root_angle)}
 
 
 def along_the_root(surface: GeneratingSurface, blank: BlankDimensions) -> GeneratingSurface:
     """A pinion flank's machine without tilt, at the root angle of the blank, its tip plane through the root apex."""
-    tie = root_tie(blank, ())
-    assert tie is not None
-    values = {CENTER: get_setting(surface, CENTER)}
     upright = {"cutter_tilt": 0.0, "cutter_swivel": 0.0, "machine_root_angle": blank.pinion.root_angle}
-    return with_settings(surface, {**upright, **tie(values)})
+    return with_settings(surface, {**upright, **_on_the_root(blank, {CENTER: get_setting(surface, CENTER)})})
 
 
 #: Pair to start from, target, and what ``root_gap`` gives for blade tips on the root cone.
@@ -227,56 +208,51 @@ def best_set_up(
         tilts = FIRST_TILTS if method == "completing" and milled else (0.0,)
         starts = [*((start, 0.0) for start in further), *((first, tilt) for tilt in tilts)]
     sides: list[tuple[FlankName, ...]] = [("drive", "coast")] if method == "completing" else [("drive",), ("coast",)]
+    machine = _Machine(shared, limits, blank, cutter_radius)
+
+    def good(fits: Mapping[FlankName, Synthesis]) -> bool:
+        return all(is_good(fit, targets[side], blank.clearance) for side, fit in fits.items())
+
     set_up: dict[FlankName, Synthesis] = {}
     for together in sides:
-        best: dict[FlankName, Synthesis] | None = None
-        failure = GeometryError("no start")
+        attempts = []
         for start, tilt in starts:
-            try:
-                chosen = {side: (start[side], targets[side], on_root[side]) for side in together}
-                fits = _fit(chosen, shared, limits, blank, cutter_radius, tilt=tilt)
-            except GeometryError as error:
-                failure = error
-                continue
-            if best is None or _cost(fits) < _cost(best):
-                best = fits
-            if _good(best, chosen, blank.clearance):
-                break
-        if best is None:
-            raise _refusal(together, method, failure)
-        # Both flanks share one machine, which cannot make up for two rounded blades.
-        if method != "completing":
-            try:
-                best = _stepped(best, chosen, shared, limits, blank, cutter_radius, steps)
-            except GeometryError as error:
-                raise _refusal(together, method, error) from error
-        set_up |= best
+            chosen: dict[FlankName, Side] = {side: (start[side], targets[side], on_root[side]) for side in together}
+            attempts.append((chosen, partial(_fit, chosen, machine, tilt=tilt)))
+        try:
+            chosen, best = first_good(attempts, _cost, good)
+            # Both flanks share one machine, which cannot make up for two rounded blades.
+            set_up |= best if method == "completing" else _stepped(best, chosen, machine, steps)
+        except GeometryError as error:
+            other = "tilt" if method != "tilt" else "modified_roll"
+            raise GeometryError(
+                f"{' and '.join(together)}: no pinion of the method {method} was found that meets the gear: {error}; "
+                f'choose another method, as method = "{other}", wider limits in [pinion.limits], or {BLANK_ADVICE}'
+            ) from error
     return set_up
 
 
-def _refusal(sides: tuple[FlankName, ...], method: SetUpMethod, reason: GeometryError) -> GeometryError:
-    """Error of a method that gives no pinion, with another method as advice."""
-    other = "tilt" if method != "tilt" else "modified_roll"
-    return GeometryError(
-        f"{' and '.join(sides)}: no pinion of the method {method} was found that meets the gear: {reason}; choose "
-        f'another method, as method = "{other}", wider limits in [pinion.limits], or {BLANK_ADVICE}'
-    )
+@dataclass(frozen=True)
+class _Machine:
+    """Machine settings that a set-up may move, and the limits of them and of the blades for a blank."""
+
+    shared: tuple[str, ...]
+    limits: SettingLimits
+    blank: BlankDimensions
+    cutter_radius: float
+
+    def allowed(self, name: str) -> tuple[float, float]:
+        """Least and largest value of a setting."""
+        return self.limits.allowed(name, self.blank.pinion.root_angle, self.cutter_radius)
 
 
 def _stepped(
-    fits: Mapping[FlankName, Synthesis],
-    sides: Mapping[FlankName, Side],
-    shared: tuple[str, ...],
-    limits: SettingLimits,
-    blank: BlankDimensions,
-    cutter_radius: float,
-    steps: StandardSteps,
+    fits: Mapping[FlankName, Synthesis], sides: Mapping[FlankName, Side], machine: _Machine, steps: StandardSteps
 ) -> dict[FlankName, Synthesis]:
     """The fits with blades at standard steps, and the machine settings fitted once more."""
-    allowed = partial(limits.allowed, root_angle=blank.pinion.root_angle, cutter_radius=cutter_radius)
+    milled = {side: fit.surface.settings.indexing_ratio == 0.0 for side, fit in fits.items()}
     blades = {
-        side: steps.blade(fit.surface, with_radius=fit.surface.settings.indexing_ratio == 0.0, allowed=allowed)
-        for side, fit in fits.items()
+        side: steps.blade(fit.surface, with_radius=milled[side], allowed=machine.allowed) for side, fit in fits.items()
     }
     names = tuple(name for name in BLADE_SETTINGS if any(name not in blade for blade in blades.values()))
     if names == BLADE_SETTINGS:
@@ -285,14 +261,8 @@ def _stepped(
     for side, (pair, target, root) in sides.items():
         surface = with_settings(fits[side].surface, blades[side])
         near[side] = (replace(pair, pinion=replace(pair.pinion, loaded=surface)), target, root)
-    again = _fit(near, shared, limits, blank, cutter_radius, own=names)
-    return {
-        side: replace(
-            fit,
-            moved={name: (start, get_setting(fit.surface, name)) for name, (start, _) in fits[side].moved.items()},
-        )
-        for side, fit in again.items()
-    }
+    again = _fit(near, machine, own=names)
+    return {side: started_from(sides[side][0].pinion.loaded, fit, fits[side].moved) for side, fit in again.items()}
 
 
 def _one_cutter(start: Mapping[FlankName, GearPair], blank: BlankDimensions) -> Mapping[FlankName, GearPair]:
@@ -320,13 +290,6 @@ def _cost(fits: Mapping[FlankName, Synthesis]) -> float:
     return sum(fit.rms**2 + root_cost(fit) for fit in fits.values())
 
 
-def _good(fits: Mapping[FlankName, Synthesis], sides: Mapping[FlankName, Side], clearance: float) -> bool:
-    return all(
-        fit.largest_residual <= residual_limits(sides[side][1])[0] and bool(np.all(np.abs(fit.root_gap) <= clearance))
-        for side, fit in fits.items()
-    )
-
-
 def set_up_residual(
     sides: Mapping[FlankName, Side],
     shared: tuple[str, ...],
@@ -334,8 +297,11 @@ def set_up_residual(
     own: tuple[str, ...] = BLADE_SETTINGS,
 ) -> SetUpResidual:
     """Residuals of a set-up that cuts the given sides; each begins from the same machine settings."""
-    names, tie = (*shared, *own), root_tie(blank, shared)
-    parts = [_residual(pair, target, names, root, tie) for pair, target, root in sides.values()]
+    names, tie = (*shared, *own), None if "sliding_base" in shared else partial(_on_the_root, blank)
+    parts = [
+        EaseOffResidual.of(pair, target, names, NODES, FOLD_MARGIN, follow_root=tie is None, wanted_root=root, tie=tie)
+        for pair, target, root in sides.values()
+    ]
     slot = None
     if len(parts) == 2 and parts[0].start.settings.indexing_ratio == 0.0 and "point_radius" in own:
         slot = MeanSlot.of(parts[0].start, parts[1].start, sides["drive"][0].pinion.section, blank)
@@ -343,22 +309,15 @@ def set_up_residual(
 
 
 def _fit(
-    sides: Mapping[FlankName, Side],
-    shared: tuple[str, ...],
-    limits: SettingLimits,
-    blank: BlankDimensions,
-    cutter_radius: float,
-    *,
-    own: tuple[str, ...] = BLADE_SETTINGS,
-    tilt: float = 0.0,
+    sides: Mapping[FlankName, Side], machine: _Machine, *, own: tuple[str, ...] = BLADE_SETTINGS, tilt: float = 0.0
 ) -> dict[FlankName, Synthesis]:
     from scipy.optimize import least_squares
 
-    fit = set_up_residual(sides, shared, blank, own)
+    fit = set_up_residual(sides, machine.shared, machine.blank, own)
     bounds, start = np.zeros((fit.size, 2)), np.zeros(fit.size)
     for k, part in enumerate(fit.parts):
         for place, name, origin, scale in zip(fit.columns(k), part.free, part.origin, part.scale, strict=True):
-            low, high = limits.allowed(name, blank.pinion.root_angle, cutter_radius)
+            low, high = machine.allowed(name)
             bounds[place] = (low - origin) / scale, (high - origin) / scale
             if name == "cutter_tilt":
                 start[place] += tilt / scale
@@ -381,32 +340,13 @@ def _fit(
     }
 
 
-def _residual(
-    pair: GearPair, target: EaseOffTarget, names: Sequence[str], root: Array, tie: Tie | None
-) -> EaseOffResidual:
-    t, h = grid(NODES)
-    gear, pinion = pair.gear.flank(t, h), pair.pinion
-    known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
-    root_line = RootLine.of(pinion.loaded, pinion.section) if tie is None else None
-    wanted = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
-    residual = EaseOffResidual(pair, gear, wanted, names, known, root_line, FOLD_MARGIN, root, tie)
-    if residual.lever.size < 2 * len(names):
-        raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
-    return residual
-
-
 def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array) -> Synthesis:
     """The fitted flank, its tilt written as a positive angle."""
-    surface, section = part.surface(steps), pair.pinion.section
-    left = 1e-3 * part(steps)[: part.lever.size]
-    fresh = exact_ease_off(part.gear, surface, section, pair.assembly)
-    if not np.allclose(part.error(fresh.angle), left, rtol=0.0, atol=1e-6):
-        raise GeometryError("the fitted settings cut the blank with another part of the cutter than the fit followed")
-    surface = with_positive_tilt(surface)
+    left, surface = part.left(steps), with_positive_tilt(part.surface(steps))
     moved = {
         name: (float(origin), get_setting(surface, name)) for name, origin in zip(part.free, part.origin, strict=True)
     }
-    return Synthesis(surface, moved, left, tip_gap(surface, section))
+    return Synthesis(surface, moved, left, tip_gap(surface, pair.pinion.section))
 
 
 def with_positive_tilt(surface: GeneratingSurface) -> GeneratingSurface:

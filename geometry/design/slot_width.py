@@ -8,24 +8,30 @@ line of the gear is that of its crown gear; the pinion's apex lies beside the ge
 Largest edge radii of the cutters: no interference of fillets, blades that can be made, no mutilation.
 
 Widths of the top lands along the face.
+
+The edge radius of a cutter's blades where a design gives none: that of the basic rack, as far as it fits.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
+from ...core.errors import GeometryError
+from ..cutting.generating_surface import GeneratingSurface
+from ..pair.gear_pair import MEMBERS, GearPair
+from ..tooth.tooth_flanks import MemberName
+from ..tooth.tooth_surface import tooth_surface
+from .blank import BlankDimensions
+from .closest_fit import StandardSteps
 from .iso23509.pitch_cones import CrownGear, crown_gear
-from .tooth_proportions import ToothProportions
-
-Array = NDArray[Any]
+from .tooth_proportions import ToothProportions, measured_proportions
 
 PLACES = ("toe", "mean", "heel")
 
@@ -164,7 +170,7 @@ class SlotWidths:
     def _at_heel(self) -> float:
         return float(self.line.narrowing(self.line.gear_places)[2])
 
-    def _play(self, gear_distance: Array) -> Array:
+    def play(self, gear_distance: Array) -> Array:
         """Backlash along the pitch line (...) [mm]."""
         share = self.line.narrowing(gear_distance) / self._at_heel
         return np.asarray(share * self.backlash / math.cos(self.proportions.half_included_angle))
@@ -190,14 +196,14 @@ class SlotWidths:
         """Slot widths of the gear (...) [mm] at its cone distances (75)."""
         p, share = self.proportions, self.line.narrowing(gear_distance)
         of_the_tooth = share * (p.mean_normal_thickness[0] - p.mean_dedendum[1] * p.taper)
-        return np.asarray(self.effective_width * (1.0 - share) + of_the_tooth + self._play(gear_distance))
+        return np.asarray(self.effective_width * (1.0 - share) + of_the_tooth + self.play(gear_distance))
 
     def pinion_width(self, gear_distance: Array) -> Array:
         """Slot widths of the pinion (...) [mm] at cone distances of the gear (76)."""
         p, line = self.proportions, self.line
         depth = line.pinion_dedendum(gear_distance) + line.gear_dedendum(gear_distance)
         filled = line.narrowing(gear_distance) * p.pitch - depth * p.taper - self.gear_width(gear_distance)
-        return np.asarray(filled + self._play(gear_distance))
+        return np.asarray(filled + self.play(gear_distance))
 
     @cached_property
     def width(self) -> Array:
@@ -396,11 +402,8 @@ class TopLands:
 
     def gear_thickness(self, gear_distance: Array) -> Array:
         """Normal circular thicknesses of the gear (...) [mm] at its cone distances (178)."""
-        p, line = self.line.proportions, self.line
-        share = line.narrowing(gear_distance) / float(line.narrowing(line.gear_places)[2])
-        play = share * self.slots.backlash / math.cos(p.half_included_angle)
-        bottom = line.pinion_dedendum(gear_distance) * p.taper
-        return np.asarray(bottom + self.slots.pinion_width(gear_distance) - play)
+        bottom = self.line.pinion_dedendum(gear_distance) * self.line.proportions.taper
+        return np.asarray(bottom + self.slots.pinion_width(gear_distance) - self.slots.play(gear_distance))
 
     def pinion_width(self, pinion_distance: Array) -> Array:
         """Top lands of the pinion (...) [mm] at its cone distances (179, 180)."""
@@ -433,3 +436,64 @@ class TopLands:
     def width(self) -> Array:
         """Top lands at toe, mean point and heel of pinion and gear (2, 3) [mm] (183 to 188); negative if pointed."""
         return np.stack([self.pinion_width(self.line.pinion_places), self.gear_width(self.line.gear_places)])
+
+
+ToothCheck = Callable[[GearPair, MemberName], None]
+
+BASIC_RACK_RADIUS = 0.25  # over the mean normal module
+SMALLEST_SHARE = 0.05  # of an edge radius over the module: a tooth is never without a fillet
+REDUCTIONS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # of the usual radius, until the tooth has its fillets
+WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES = (9, 7), 25
+
+
+def usual_edge_radii(blank: BlankDimensions, limits: EdgeRadiusLimits) -> tuple[float, float]:
+    """Edge radii of the blades of pinion and gear [mm]: ISO 53:1998, profile C, within AGMA 929-B22.
+
+    That is a quarter of the mean normal module, less where a fillet would meet the mate's tip, the blade could not be
+    made, or one would cut into the other's fillet.
+    """
+    least, usual = (share * blank.mean_normal_module for share in (SMALLEST_SHARE, BASIC_RACK_RADIUS))
+    pinion, gear = (max(least, min(usual, float(np.nan_to_num(limit)))) for limit in limits.largest)
+    return round(pinion, 4), round(gear, 4)
+
+
+def allowed_edge_radius(pair: GearPair, member: MemberName, usual: float) -> float:
+    """Usual edge radius, or a smaller one where AGMA 929-B22 allows less for the slots as they were cut [mm]."""
+    try:
+        proportions = measured_proportions(pair)
+    except GeometryError:  # no mean point to measure at
+        return usual
+    limit = float(EdgeRadiusLimits(SlotWidths(ToothLine(proportions))).largest[MEMBERS.index(member)])
+    least = SMALLEST_SHARE * proportions.mean_normal_module
+    return min(usual, max(least, limit)) if np.isfinite(limit) else usual
+
+
+def require_whole_tooth(pair: GearPair, member: MemberName) -> None:
+    """Refuse a member whose flanks and fillets make no whole tooth (GeometryError)."""
+    tooth_surface(pair, member, WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES)
+
+
+def fitting_edge_radius(
+    pair: GearPair, member: MemberName, usual: float, require: ToothCheck, steps: StandardSteps
+) -> float:
+    """Usual edge radius, made smaller until the tooth passes ``require`` [mm]; the usual one if none does."""
+    for share in REDUCTIONS:
+        try:
+            require(_rounded(pair, member, steps.edge(share * usual)), member)
+        except GeometryError:
+            continue
+        return round(steps.edge(share * usual), 4)
+    return usual
+
+
+def _rounded(pair: GearPair, name: str, radius: float) -> GearPair:
+    """The pair with an edge radius on both blades of one member."""
+    member = pair.pinion if name == "pinion" else pair.gear
+    opposite = None if member.opposite is None else rounded(member.opposite, radius)
+    changed = replace(member, loaded=rounded(member.loaded, radius), opposite=opposite)
+    return replace(pair, pinion=changed) if name == "pinion" else replace(pair, gear=changed)
+
+
+def rounded(surface: GeneratingSurface, edge_radius: float) -> GeneratingSurface:
+    """The same flank with another edge radius of its blade [mm]."""
+    return replace(surface, blade=replace(surface.blade, edge_radius=edge_radius))

@@ -1,25 +1,29 @@
-"""Pinion settings from a target ease-off: least squares on the machine settings, from the exactly conjugate pinion."""
+"""Pinion settings from a target ease-off: least squares on the machine settings, from the exactly conjugate pinion.
+
+The residual of a fit of pinion settings: ease-off less target at the nodes, and the blade tips' way off the root.
+
+The path of a blade's tip against the root cone of the blank.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import array, check_fields, frozen_arrays, instance, positive, truth, words
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.named_settings import CURVATURE_STEPS
-from ..pair.ease_off import exact_ease_off
+from ..cutting.named_settings import CURVATURE_STEPS, get_setting, scale_of, with_settings
+from ..flanks.blank_section import BlankSection
+from ..flanks.flank import Flank, solve_flank
+from ..newton import complex_steps, cramers_rule, solve
+from ..pair.ease_off import EaseOff, angle_near, exact_ease_off, sheet_area
 from ..pair.gear_pair import GearPair, grid
 from ..tooth.tooth_surface import tip_gap
-from .ease_off_residual import ROOT_WEIGHT, EaseOffResidual
-from .root_line import RootLine
-
-Array = NDArray[Any]
+from ..vectors import dot
 
 # Without tilt and swivel: their effects are nearly those of other settings, which makes the fit ill-conditioned.
 FREE_SETTINGS = (
@@ -198,15 +202,7 @@ def fit_pinion(
     from scipy.optimize import least_squares
 
     names = words("free", free, 1) if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
-    t, h = grid(nodes)
-    gear, pinion = pair.gear.flank(t, h), pair.pinion
-    on_nodes = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
-    wanted = array("target", on_nodes, "mm", ndim=1, size=t.size * h.size)
-    known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
-    root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
-    fit = EaseOffResidual(pair, gear, wanted, names, known, root_line, fold_margin, wanted_root)
-    if fit.lever.size < 2 * len(names):
-        raise GeometryError("pinion and gear flank meet on too few nodes to fit the pinion's settings")
+    fit = EaseOffResidual.of(pair, target, names, nodes, fold_margin, follow_root=follow_root, wanted_root=wanted_root)
     # A straight blade has no radius: begin a little curved.
     curved = np.array([name in CURVATURE_STEPS for name in names])
     solution = least_squares(
@@ -224,12 +220,209 @@ def fit_pinion(
     )
     values, surface = fit.settings(solution.x), fit.surface(solution.x)
     moved = {name: (float(start), values[name]) for name, start in zip(names, fit.origin, strict=True)}
-    left = 1e-3 * fit(solution.x)[: fit.lever.size]
-    # The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
-    fresh = exact_ease_off(gear, surface, pinion.section, pair.assembly)
-    if not np.allclose(fit.error(fresh.angle), left, rtol=0.0, atol=1e-6):
-        raise GeometryError(
-            "the fitted settings cut the blank with another part of the cutter than the fit followed: free fewer "
-            f"settings than {', '.join(names)}, or start nearer to the target"
-        )
-    return Synthesis(surface, moved, left, tip_gap(surface, pinion.section))
+    left = fit.left(solution.x, f": free fewer settings than {', '.join(names)}, or start nearer to the target")
+    return Synthesis(surface, moved, left, tip_gap(surface, pair.pinion.section))
+
+
+Tie = Callable[[Mapping[str, float]], Mapping[str, float]]
+
+MISSING_RESIDUAL = 1e9  # residual [um] of settings with which the flanks do not meet
+ROOT_WEIGHT = 50.0  # [um/mm]
+TOO_FEW_NODES = "pinion and gear flank meet on too few nodes to fit the pinion's settings"
+
+
+@dataclass
+class EaseOffResidual:
+    """Residuals of a fit of one pinion flank, which starts from where the flanks last met."""
+
+    pair: GearPair
+    gear: Flank
+    wanted: Array  # ease-off at the nodes (n) [mm]
+    free: Sequence[str]
+    known: EaseOff
+    root_line: RootLine | None
+    fold_margin: float
+    wanted_root: Array | None = None  # blade's tip above the root cone (3) [mm]; zero if None
+    tie: Tie | None = None
+
+    def __post_init__(self) -> None:
+        self.start = self.pair.pinion.loaded
+        self.origin = np.array([get_setting(self.start, name) for name in self.free])
+        self.scale = np.array([scale_of(name) for name in self.free])
+        # A straight blade has no radius to differentiate by: long steps, which a flank that is nearly linear in its
+        # blade's curvature allows.
+        self.difference = np.array([0.1 if name in CURVATURE_STEPS else 1e-4 for name in self.free])
+        self.solved = np.full(self.origin.shape, np.nan)
+        self.parameters = self.known.pinion_parameters
+        self.usable = np.isfinite(self.known.angle)
+        if not np.any(self.usable):
+            raise GeometryError(TOO_FEW_NODES)
+        area = sheet_area(self.known.motion, self.parameters)
+        middle = float(np.median(area[self.usable]))
+        self.sheet = float(np.sign(middle))
+        if self.fold_margin > 0.0:
+            self.usable &= self.known.inside & (area / middle > self.fold_margin)
+        # Where the start has no root, undercut or not reached, there is none to follow.
+        self.rooted = np.zeros(0, bool) if self.root_line is None else np.isfinite(self.root_line.gap(self.start)[0])
+        self.lever = self.known.lever_arm[self.usable]
+        self.side = float(np.sign(np.median(self.start.orientation(self.parameters)[self.usable])))
+
+    @classmethod
+    def of(
+        cls,
+        pair: GearPair,
+        target: Callable[[Array, Array], Array],
+        free: Sequence[str],
+        nodes: tuple[int, int],
+        fold_margin: float,
+        *,
+        follow_root: bool = False,
+        wanted_root: Array | None = None,
+        tie: Tie | None = None,
+    ) -> EaseOffResidual:
+        """Residuals at even nodes of the gear flank; GeometryError if the flanks meet on too few of them."""
+        t, h = grid(nodes)
+        gear, pinion = pair.gear.flank(t, h), pair.pinion
+        on_nodes = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+        wanted = array("target", on_nodes, "mm", ndim=1, size=t.size * h.size)
+        known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
+        root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
+        residual = cls(pair, gear, wanted, free, known, root_line, fold_margin, wanted_root, tie)
+        if residual.lever.size < 2 * len(free):
+            raise GeometryError(TOO_FEW_NODES)
+        return residual
+
+    def settings(self, steps: Array) -> dict[str, float]:
+        """Settings that moved, and those tied to them, at steps (m) of ``named_settings.scale_of``."""
+        values = dict(zip(self.free, (float(v) for v in self.origin + self.scale * steps), strict=True))
+        return values if self.tie is None else {**values, **self.tie(values)}
+
+    def surface(self, steps: Array) -> GeneratingSurface:
+        """The pinion flank at steps (m)."""
+        return with_settings(self.start, self.settings(steps))
+
+    def left(self, steps: Array, advice: str = "") -> Array:
+        """Ease-off less target at the usable nodes [mm] that steps (m) leave; GeometryError if not that of the flank.
+
+        The fit follows one sheet of the envelope; whoever uses the settings must find the same one.
+        """
+        left = 1e-3 * self(steps)[: self.lever.size]
+        fresh = exact_ease_off(self.gear, self.surface(steps), self.pair.pinion.section, self.pair.assembly)
+        if not np.allclose(self.error(fresh.angle), left, rtol=0.0, atol=1e-6):
+            raise GeometryError(
+                f"the fitted settings cut the blank with another part of the cutter than the fit followed{advice}"
+            )
+        return left
+
+    def error(self, angle: Array) -> Array:
+        """Ease-off less target at the usable nodes [mm]; a rotation of the gear is no change of form."""
+        return self.form(angle[self.usable] * self.lever - self.wanted[self.usable])
+
+    def form(self, gap: Array) -> Array:
+        """Gap (..., n) less the rotation of the gear that fits it best."""
+        return np.asarray(gap - np.multiply.outer(gap @ self.lever, self.lever) / float(self.lever @ self.lever))
+
+    def __call__(self, steps: Array) -> Array:
+        """Residuals [um]: the ease-off's and, asked for, the root line's with its weight."""
+        surface = self.surface(steps)
+        gap, root_line = (np.zeros(0), None) if self.root_line is None else self.root_line.gap(surface)
+        if gap.size:
+            gap = (gap if self.wanted_root is None else gap - self.wanted_root)[self.rooted]
+        motion = replace(self.known.motion, surface=surface)
+        angle, parameters = angle_near(motion, self.parameters, self.side, self.sheet, self.gear)
+        residual = np.concatenate([1e3 * self.error(angle), ROOT_WEIGHT * gap])
+        if not np.all(np.isfinite(residual)):
+            # A step so large that the flanks no longer meet: the search must take a shorter one.
+            return np.linspace(MISSING_RESIDUAL, 2.0 * MISSING_RESIDUAL, residual.size)
+        self.parameters, self.root_line, self.solved = parameters, root_line, steps.copy()
+        return residual
+
+    def jacobian(self, steps: Array) -> Array:
+        """Derivatives of the residuals by the steps (n, m) [um]; GeometryError if settings close by cut no flank.
+
+        A setting that moves the pinion flank along its normal moves its envelope, the conjugate gear, as far: no
+        conjugate point has to be sought.
+        """
+        if not np.array_equal(steps, self.solved):
+            self(steps)
+        motion = replace(self.known.motion, surface=self.surface(steps))
+        parameters = self.parameters[:, self.usable]
+        normal = motion.surface.evaluate(parameters)[1]
+        action, action_normal = motion.action_point(parameters, motion.conjugate_gear(parameters)[1])
+        arm = action - motion.assembly.gear_origin.reshape(3, 1)
+        moment = motion.pinion_sense * (arm[0] * action_normal[1] - arm[1] * action_normal[0])
+        columns = []
+        for index, step in enumerate(self.difference):
+            shift = np.zeros(steps.size)
+            shift[index] = step
+            ahead, behind = (self.surface(steps + sign * shift) for sign in (1.0, -1.0))
+            moved = ahead.evaluate(parameters)[0] - behind.evaluate(parameters)[0]
+            change = [1e3 * self.form(dot(moved, normal) / moment * self.lever)]
+            if self.root_line is not None:
+                change.append(ROOT_WEIGHT * self.root_line.change(motion.surface, behind, ahead)[self.rooted])
+            columns.append(np.concatenate(change) / (2.0 * step))
+        slopes = np.stack(columns, axis=1)
+        if not np.all(np.isfinite(slopes)):
+            raise GeometryError("the fit of the pinion's settings ran to settings that cut no flank")
+        return slopes
+
+
+LENGTHWISE_FRACTIONS = np.array([0.0, 0.5, 1.0])  # toe, middle, heel
+PROFILE_FRACTIONS = (0.15, 0.3, 0.45)  # of the nodes: near the root, or higher up where no flank is cut there
+
+
+@dataclass(frozen=True)
+class RootLine:
+    """Nodes near the root of a flank at toe, middle and heel, and the parameters that cut them.
+
+    It measures along the blade's axis where the blade cuts these nodes, not the path of the rolling blade's tip, see
+    ``tooth_surface.tip_gap``; a change moves both by nearly as much.
+    """
+
+    section: BlankSection
+    parameters: Array  # (2, 3) of the nodes, a start for other settings
+    profile: float = PROFILE_FRACTIONS[0]
+
+    @classmethod
+    def of(cls, surface: GeneratingSurface, section: BlankSection) -> RootLine:
+        """The nodes of a flank. Raises GeometryError if the cutter meets no tooth of the blank."""
+        lines = []
+        for profile in PROFILE_FRACTIONS:
+            axial, radial = section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, profile))
+            flank = solve_flank(surface, section, axial, radial)
+            lines.append(cls(section, flank.parameters, profile))
+            if np.all(np.isfinite(flank.position)):
+                return lines[-1]
+        return lines[0]
+
+    def gap(self, surface: GeneratingSurface) -> tuple[Array, RootLine]:
+        """Distance of the blade's tip above the root cone (3) [mm], and the nodes of this surface, near the known one.
+
+        Negative where it cuts deeper, NaN where the node is not found.
+        """
+        target = self.section.points(LENGTHWISE_FRACTIONS, np.full_like(LENGTHWISE_FRACTIONS, self.profile))
+        solution = solve(surface.axial_and_radial, self.parameters, target, surface.max_step)
+        gap = self.section.height_above_root(target[0], target[1]) - _above_tip(surface, solution.parameters)
+        parameters = np.where(solution.converged, solution.parameters, self.parameters)
+        return np.where(solution.converged, gap, np.nan), RootLine(self.section, parameters, self.profile)
+
+    def change(self, surface: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface) -> Array:
+        """Change of the gap (3) [mm] from one near flank to another, to first order: one step of Newton's method."""
+        coordinates, (first, second) = complex_steps(surface.axial_and_radial, self.parameters)
+
+        def above_tip(near: GeneratingSurface) -> Array:
+            step = cramers_rule(first, second, coordinates - near.axial_and_radial(self.parameters))
+            return _above_tip(near, self.parameters + step)
+
+        return above_tip(behind) - above_tip(ahead)
+
+
+def root_gap(surface: GeneratingSurface, section: BlankSection) -> Array:
+    """Distance of the blade's tip above the root cone at toe, middle and heel (3) [mm], see ``RootLine``."""
+    return RootLine.of(surface, section).gap(surface)[0]
+
+
+def _above_tip(surface: GeneratingSurface, parameters: Array) -> Array:
+    """Height of flank points above the tip of the blade, along its axis (n) [mm]."""
+    _, _, coordinates = surface.evaluate(parameters)
+    return np.array([surface.section.point(c)[1] for c in coordinates])

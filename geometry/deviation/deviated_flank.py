@@ -23,12 +23,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import labelled
 from ...core.checks import frozen_arrays, instance, number, two_whole
 from ...core.errors import GeometryError, InputError
@@ -40,7 +40,6 @@ from ..pair.gear_pair import GearPair, Member, PairGeometry, first_contact
 from ..vectors import dot, rotate_z
 from .deviation import DEVIATION_LIMIT, Deviation, normal_distance
 
-Array = NDArray[Any]
 RELATIVE_STEP = 1e-5  # of the surface parameters, for central differences: a relative error of 1e-10
 
 

@@ -17,12 +17,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Literal, Protocol, get_args
+from typing import TYPE_CHECKING, Literal, Protocol, get_args
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import labelled
 from ...core.checks import array, frozen_arrays, instance, one_of, two_whole
 from ...core.errors import InputError
@@ -35,7 +36,6 @@ from ..vectors import cross, dot
 if TYPE_CHECKING:
     from scipy.interpolate import NdBSpline
 
-Array = NDArray[Any]
 SPLINE_DEGREE = 3
 # Lengths over which the parts of the spline fade to constants, as shares of the grid's size:
 TREND_FADING = 0.25  # the surface of second order, beyond the edge of the flank

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import check_fields, instance
 from ...core.errors import InputError
 from ..design.blank import angles_of_normal
@@ -15,7 +14,6 @@ from ..flanks.flank import solve_flank
 from ..pair.gear_pair import Member
 from .deviation import Deviation
 
-Array = NDArray[Any]
 TANGENT_HALF_WIDTH = 0.01  # fraction of the flank over which its tangents are taken
 
 

@@ -12,12 +12,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import check_fields, frozen_arrays
 from ...core.errors import GeometryError
-
-Array = NDArray[np.float64]
+from ..newton import determinant
 
 
 @frozen_arrays
@@ -126,16 +125,13 @@ class BlankSection:
         twist = corners[1, 1] - corners[1, 0] - up
         x, y = axial - base[0], radial - base[1]
 
-        def cross(a: Array, bx: Array | float, by: Array | float) -> Array:
-            return np.asarray(a[0] * by - a[1] * bx)
-
         # (x, y) = along t + up h + twist t h; crossing with (up + twist t) removes h.
-        quadratic = cross(along, twist[0], twist[1])
-        linear = cross(along, up[0], up[1]) + cross(twist, x, y)
-        constant = cross(up, x, y)
+        quadratic = determinant(along, twist)
+        linear = determinant(along, up) + determinant(twist, (x, y))
+        constant = determinant(up, (x, y))
         # Of the two solutions that one at which the map turns as at the corner; the other lies beyond the apex of the
         # ends. Of its two forms that one whose terms do not cancel.
-        turn = np.sign(cross(along, up[0], up[1]))
+        turn = np.sign(determinant(along, up))
         with np.errstate(invalid="ignore", divide="ignore"):
             root = turn * np.sqrt(linear**2 - 4.0 * quadratic * constant)
             t = np.where(

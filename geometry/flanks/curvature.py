@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays, instance
 from ..cutting.generating_surface import GeneratingSurface
 from ..newton import complex_steps
 from ..vectors import dot
 from .flank import Flank, on_parts
-
-Array = NDArray[Any]
 
 
 @frozen_arrays

@@ -16,18 +16,16 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface, SurfacePoints, axial_and_radial, points_at
 from ..newton import complex_steps, solve
 from .blank_section import BlankSection
-
-Array = NDArray[Any]
 
 JOINT_TOLERANCE = 1e-9  # [mm]
 

@@ -2,19 +2,25 @@
 
 Columns may be separated by semicolons or tabs, then also with decimal commas. A measured grid has one more column,
 ``deviation``; or three more, the measured coordinates.
+
+Text in columns: comment lines ``# key: value``, the separator of the columns, and cells with a decimal point.
+
+A spreadsheet changes what it saves: with a decimal comma it separates columns by semicolons or tabs, it pads short
+lines with separators, and it quotes what holds one. All that is read.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 import xarray as xr
 
+from ...core.arrays import Array
 from ...core.checks import one_of, whole
 from ...core.errors import InputError
-from .separated_text import cells, excerpt, parted, separator
 
 NOMINAL_COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
 DEVIATION_COLUMN = "deviation"
@@ -129,17 +135,92 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
         1: {DEVIATION_COLUMN: (grid[:3], values[..., -1])},
         3: {"measured_position": (grid, values[..., 6:])},
     }
+    return point_grid(flanks, values[..., :6], more.get(values.shape[-1] - 6, {}), attributes)
+
+
+def point_grid(
+    flanks: Sequence[str], points: Array, more: Mapping[str, Any], attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    """Dataset of positions and normals (flank, row, column, 6), with further variables."""
+    rows, columns = (np.arange(1, count + 1) for count in points.shape[1:3])
+    grid = ("flank", "row", "column", "xyz")
     return xr.Dataset(
-        {
-            "position": (grid, values[..., :3]),
-            "normal": (grid, values[..., 3:6]),
-            **more.get(values.shape[-1] - 6, {}),
-        },
-        coords={
-            "flank": flanks,
-            "row": np.arange(1, rows + 1),
-            "column": np.arange(1, columns + 1),
-            "xyz": list("xyz"),
-        },
+        {"position": (grid, points[..., :3]), "normal": (grid, points[..., 3:]), **more},
+        coords={"flank": list(flanks), "row": rows, "column": columns, "xyz": list("xyz")},
         attrs=attributes,
     )
+
+
+Attributes = dict[str, Any]
+Lines = list[tuple[int, str]]
+WHOLE_KEYS = ("format_version", "number_of_teeth")
+REAL_ENDINGS = ("_mm", "_rad")
+EXCERPT_LENGTH = 60  # of a line in a message [characters]
+
+
+def comment(line: str) -> str | None:
+    """Text of a comment line after its sign; ``None`` of any other line."""
+    stripped = line.strip()
+    quoted = re.fullmatch(r'"(#(?:[^"]|"")*)"[;,\t]*', stripped)
+    if quoted:
+        stripped = quoted[1].replace('""', '"')
+    if not stripped.startswith("#"):
+        return None
+    unpadded = stripped[1:].rstrip(";,\t")
+    return (unpadded if len(stripped) - 1 - len(unpadded) >= 2 else stripped[1:]).strip()
+
+
+def separator(line: str) -> str:
+    """Separator of the columns of a line: semicolon, tab, comma or blanks."""
+    for mark in (";", "\t"):
+        if mark in line.strip():
+            return mark
+    stripped = line.strip()
+    decimal_commas = " " in stripped and "." not in stripped and not re.search(r",\s|,$", stripped)
+    return "," if "," in stripped and not decimal_commas else " "
+
+
+def cells(line: str, mark: str) -> list[str]:
+    """Cells of a line, without the empty ones that pad it; a decimal comma becomes a point."""
+    entries = [cell.strip().strip('"').strip() for cell in (line.split() if mark == " " else line.split(mark))]
+    while entries and not entries[-1]:
+        entries.pop()
+    return (
+        entries if mark == "," else [re.sub(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", cell) for cell in entries]
+    )
+
+
+def excerpt(line: str) -> str:
+    """A line as messages show it, its beginning in quotes."""
+    text = line.strip()
+    return repr(text if len(text) <= EXCERPT_LENGTH else f"{text[:EXCERPT_LENGTH]} ...")
+
+
+def parted(content: str, source: str) -> tuple[Attributes, Lines]:
+    """Comments of a text by key, and its other lines with their numbers; comments that contradict are refused."""
+    attributes: Attributes = {}
+    lines: Lines = []
+    for number, line in enumerate(content.splitlines(), start=1):
+        said = comment(line)
+        if said is not None:
+            key, colon, value = said.partition(":")
+            if not colon:
+                raise InputError(f"{source}, line {number}: '# {said}': a comment must have the form '# key: value'")
+            key, where = key.strip(), f"{source}, line {number}"
+            attribute = _attribute(key, value.strip(), where)
+            if attributes.setdefault(key, attribute) != attribute:
+                raise InputError(f"{where}: {key} = {attribute!r}: must be {attributes[key]!r}, as it is above")
+        elif line.strip(' \t;,"'):
+            lines.append((number, line))
+    if not lines:
+        raise InputError(f"{source}: there are no points in it")
+    return attributes, lines
+
+
+def _attribute(key: str, value: str, where: str) -> Any:
+    try:
+        if key in WHOLE_KEYS:
+            return int(value)
+        return float(value.replace(",", ".")) if key.endswith(REAL_ENDINGS) else value
+    except ValueError as error:
+        raise InputError(f"{where}: {key} = {value!r}: must be a number") from error

@@ -1,28 +1,52 @@
 """Measured grids: nominal points, their normals and the deviations measured there; their files.
 
-Measured grids from plain matrices of deviations.
+Deviations also come as plain matrices, or as a table of numbers without points: a row of the grid a line, or a column.
+
+Comment lines before the table say what it holds; nothing is guessed:
+
+- ``# flank: concave`` or ``convex``
+- ``# rows: root to tip`` and ``# columns: toe to heel``, either the other way round, or rows and columns exchanged
+- ``# deviation_unit: um`` or ``mm``
+- ``# margin_toe_mm: 3.0`` and so on for heel, root and tip, where the margins are not those of ``cmm_points``
+
+Measured points in the Dimensional Measuring Interface Standard, DMIS (ANSI/DMIS 105.2, ISO 22093).
+
+Of the language only what a grid of points takes: ``F(label)=FEAT/POINT,CART,x,y,z,i,j,k`` for a nominal point with its
+outward normal, ``FA(label)=FEAT/POINT,CART,...`` for the measured one, ``UNITS/MM`` or ``UNITS/INCH``, comments after
+``$$`` and lines continued by ``$``. Other statements are passed over. Labels tell flank, row and column:
+``CONCAVE_R1_C1`` for the root at the toe.
+
+The standard is sold; this follows what is public of it. A file of results as the Dimensional Metrology Standards
+Consortium's own example program writes it (github.com/QualityInformationFramework/qif-community, ``demoQIFin.py``):
+``FILNAM/`` first, then ``UNITS/``, and ``OUTPUT/F(label)`` or ``OUTPUT/FA(label)`` before what is put out. The
+statement of a point, with its spaces and its line continued by ``$``, as in an explanation of DMIS statements
+(blog.csdn.net/weixin_34766547/article/details/117210587).
 """
 
 from __future__ import annotations
 
 import os
+import re
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ...core.attributes import labelled
-from ...core.checks import array, file_path, instance, one_of
+from ...core.checks import array, file_path, frozen_arrays, instance, one_of, shown
 from ...core.errors import InputError
 from ...core.output_file import whole_file
+from ...core.regular_file import LINE_LENGTH_LIMIT
 from ..deviation.deviation import Deviation, Method
 from ..flanks.flank import solve_flank
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import Side, side
-from . import csv_points as cmm_csv, deviation_table, dmis, measuring_points as cmm
-from .deviation_table import table_of_matrix
-from .measuring_points import EdgeMargins
+from . import csv_points as cmm_csv, measuring_points as cmm
+from .csv_points import Attributes, cells, comment, excerpt, parted, require_size, separator
+from .measuring_points import EdgeMargins, cmm_points
 
 FORMAT = cmm.GRID_FORMAT
 DMIS_SUFFIXES = (".dmi", ".dmo", ".dmis")
@@ -114,7 +138,7 @@ def write_measured_grid(grid: xr.Dataset, path: str | os.PathLike[str]) -> None:
         cmm.check_points(grid, "grid", FORMAT)
         _require_deviation(grid, "grid")
         with whole_file(path) as temporary:
-            temporary.write_text(dmis.text(grid), encoding="utf-8")
+            temporary.write_text(dmis_text(grid), encoding="utf-8")
     else:
         cmm.write_cmm_points(grid, path)
 
@@ -124,7 +148,7 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
 
     A text file may give a column ``deviation`` (in um, or in what ``# deviation_unit: mm`` says), or the measured
     coordinates; then the deviation is their distance along the normal. Or it is a table of deviations without points,
-    see ``deviation_table``; they stand at the points of ``cmm_points``.
+    see ``parsed_table``; they stand at the points of ``cmm_points``.
 
     Parameters
     ----------
@@ -164,12 +188,12 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
             )
     else:
         content = cmm.content(source)
-        if suffix in TEXT_SUFFIXES and deviation_table.is_table(content):
-            table = deviation_table.parsed_table(content, str(source))
+        if suffix in TEXT_SUFFIXES and is_table(content):
+            table = parsed_table(content, str(source))
             if member is None:
                 raise InputError(f"{source}: a table of deviations without points: give the member that it is of")
             return measured_grid(table.points(member), table.deviation)
-        grid = (dmis if suffix in DMIS_SUFFIXES else cmm_csv).parsed(content, str(source))
+        grid = (parsed_dmis if suffix in DMIS_SUFFIXES else cmm_csv.parsed)(content, str(source))
     grid = grid.assign_attrs(format=FORMAT, format_version=cmm.FORMAT_VERSION)
     cmm.check_points(grid, source, FORMAT)
     if "measured_position" in grid:
@@ -362,3 +386,232 @@ def measured_matrix(
         margins=edge_margins,
     )
     return measured_grid(table.points(member), table.deviation)
+
+
+UPWARDS, LENGTHWISE = ("root to tip", "tip to root"), ("toe to heel", "heel to toe")
+WANTED = {
+    "flank": ("concave", "convex"),
+    "rows": (*UPWARDS, *LENGTHWISE),
+    "columns": (*LENGTHWISE, *UPWARDS),
+    "deviation_unit": ("um", "mm"),
+}
+EDGES = ("toe", "heel", "root", "tip")
+
+
+@frozen_arrays
+@dataclass(frozen=True, eq=False)
+class DeviationTable:
+    """Table of deviations."""
+
+    deviation: NDArray[np.float64]  # (root to tip, toe to heel) [um]
+    flank: str
+    margins: EdgeMargins
+    source: str
+
+    def points(self, member: Member) -> xr.Dataset:
+        """Nominal points of the table on its flank of a member, where ``easeoff export`` has them."""
+        if self.flank != side(member.loaded):
+            if member.opposite is None:
+                known = side(member.loaded)
+                raise InputError(
+                    f"{self.source}: flank = {self.flank!r}: must be {known!r}, the one given for this member"
+                )
+            member = member.from_opposite
+        rows, columns = self.deviation.shape
+        margins = self.margins
+        if member.opposite is not None:
+            # As exported, both flanks have one grid; the thickness of the tooth does not matter to its margins.
+            both = cmm_points(member, rows, columns, margins, tooth_angle=np.pi / member.teeth)
+            margins = EdgeMargins(**{edge: both.attrs[f"margin_{edge}_mm"] for edge in EDGES})
+        return cmm_points(member, rows, columns, margins)
+
+
+def is_table(content: str) -> bool:
+    """True if the first line that is no comment holds numbers, and is neither a point nor column names."""
+    lines = [line for line in content.splitlines() if line.strip(' \t;,"') and comment(line) is None]
+    first = cells(lines[0], separator(lines[0])) if lines else []
+    return first[:1] not in (["concave"], ["convex"]) and any(_is_number(cell, finite=False) for cell in first)
+
+
+def parsed_table(content: str, source: str) -> DeviationTable:
+    """Table of a text file, whose comments must say what it holds; a bad line is refused with its number."""
+    attributes, lines = parted(content, source)
+    first, head = lines[0]
+    mark = separator(head)
+    require_size(len(lines), len(cells(head, mark)), source)
+    rows = [cells(line, mark) for _, line in lines]
+    for (number, line), row in zip(lines, rows, strict=True):
+        if len(row) != len(rows[0]):
+            expected = f"{len(row)} values, expected {len(rows[0])} as in line {first}"
+            raise InputError(f"{source}, line {number}: {excerpt(line)}: {expected}")
+        for cell in row:
+            if not _is_number(cell):
+                raise InputError(f"{source}, line {number}: {shown(cell)}: must be a finite number")
+    missing = [
+        f"'# {key}: {first_choice}' (or {', '.join(others)})"
+        for key, (first_choice, *others) in WANTED.items()
+        if key not in attributes
+    ]
+    if missing:
+        raise InputError(
+            f"{source}, line {first}: {excerpt(head)}: numbers in {len(rows)} rows and {len(rows[0])} columns, without "
+            f"points. If they are deviations at the points of 'easeoff export', say in lines before them what they "
+            f"are: {'; '.join(missing)}. Or give the points, too, with a column 'deviation'"
+        )
+    for key, allowed in WANTED.items():
+        one_of(f"{source}: {key}", attributes[key], allowed)
+    if mark == "," and not any("." in cell for row in rows for cell in row):
+        raise InputError(
+            f"{source}, line {first}: {excerpt(head)}: whole numbers, or decimal commas? Write decimal points, or "
+            "separate the columns by semicolons"
+        )
+    deviation = np.array(rows, dtype=float) * (1e3 if attributes["deviation_unit"] == "mm" else 1.0)
+    deviation = _oriented(deviation, attributes["rows"], attributes["columns"], source)
+    return DeviationTable(deviation, attributes["flank"], _margins(attributes), source)
+
+
+def table_of_matrix(
+    deviation: ArrayLike,
+    flank: str,
+    *,
+    rows: str = UPWARDS[0],
+    columns: str = LENGTHWISE[0],
+    deviation_unit: str = "um",
+    margins: EdgeMargins | None = None,
+) -> DeviationTable:
+    """Table of a plain matrix of deviations, positive for more metal, in ``deviation_unit``: ``um`` or ``mm``.
+
+    ``rows`` and ``columns`` are ``root to tip`` or ``tip to root``, and ``toe to heel`` or ``heel to toe``; they may be
+    exchanged.
+    """
+    given = {"flank": flank, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
+    for key, allowed in WANTED.items():
+        one_of(key, given[key], allowed)
+    values = array("matrix of deviations", deviation, deviation_unit, ndim=2, anything=True)
+    require_size(values.shape[0], values.shape[1], "matrix of deviations")
+    values = _oriented(values * (1e3 if deviation_unit == "mm" else 1.0), rows, columns, "matrix of deviations")
+    return DeviationTable(values, flank, margins or EdgeMargins(), "matrix of deviations")
+
+
+def _oriented(deviation: NDArray[np.float64], rows: str, columns: str, source: str) -> NDArray[np.float64]:
+    """Deviations with rows from root to tip and columns from toe to heel."""
+    if (rows in UPWARDS) == (columns in UPWARDS):
+        raise InputError(f"{source}: rows = {rows!r}, columns = {columns!r}: must be one along the flank and one up it")
+    if rows in LENGTHWISE:
+        deviation, rows, columns = deviation.T, columns, rows
+    return np.ascontiguousarray(deviation[:: 1 if rows == UPWARDS[0] else -1, :: 1 if columns == LENGTHWISE[0] else -1])
+
+
+def _margins(attributes: Attributes) -> EdgeMargins:
+    return EdgeMargins(**{edge: attributes.get(f"margin_{edge}_mm") for edge in EDGES})
+
+
+def _is_number(cell: str, *, finite: bool = True) -> bool:
+    try:
+        return bool(np.isfinite(float(cell))) or not finite
+    except ValueError:
+        return False
+
+
+DMIS_LABEL = re.compile(r"(CONCAVE|CONVEX)\D+(\d{1,6})\D+(\d{1,6})")
+DMIS_FEATURE = re.compile(r"(FA?)\s*\(([^)]*)\)\s*=\s*FEAT\s*/\s*POINT\s*,\s*(\w+)\s*,(.*)", re.IGNORECASE)
+LABEL_LENGTH_LIMIT = 200  # [characters]
+UNIT_LENGTHS = {"MM": 1.0, "CM": 10.0, "M": 1000.0, "INCH": 25.4, "FEET": 304.8}
+
+
+def dmis_text(dataset: xr.Dataset) -> str:
+    """Text of a measured grid: every nominal point as ``F``, every measured one as ``FA``."""
+    title = str(dataset.attrs.get("title", "measured grid")).replace("'", "")
+    lines = [f"FILNAM/'{title}',05.2", "UNITS/MM,ANGDEC"]
+    position, normal = dataset["position"].values, dataset["normal"].values
+    measured = position + 1e-3 * dataset["deviation"].values[..., None] * normal
+    for f, flank in enumerate(dataset["flank"].values):
+        for r, row in enumerate(dataset["row"].values):
+            for c, column in enumerate(dataset["column"].values):
+                label = f"{str(flank).upper()}_R{row}_C{column}"
+                direction = normal[f, r, c]
+                for kind, point in (("F", position[f, r, c]), ("FA", measured[f, r, c])):
+                    numbers = ",".join(f"{value:.10f}" for value in (*point, *direction))
+                    lines += [f"OUTPUT/{kind}({label})", f"{kind}({label})=FEAT/POINT,CART,{numbers}"]
+    return "\n".join([*lines, "ENDFIL", ""])
+
+
+def parsed_dmis(content: str, source: str) -> xr.Dataset:
+    """Dataset of a DMIS file, with the measured positions; bad lines, labels and gaps are refused by number."""
+    scale: float | None = None
+    features: dict[str, dict[tuple[str, int, int], list[float]]] = {"F": {}, "FA": {}}
+    for number, line in _statements(content):
+        where = f"{source}, line {number}"
+        word, _, rest = line.partition("/")
+        if word.strip().upper() == "UNITS":
+            unit = rest.split(",")[0].strip().upper()
+            one_of(f"{where}: UNITS", unit, UNIT_LENGTHS)
+            scale = UNIT_LENGTHS[unit]
+        match = DMIS_FEATURE.fullmatch(line)
+        if match is None:
+            continue
+        if scale is None:
+            raise InputError(f"{where}: a point stands before the first UNITS/ statement, so that its unit is unknown")
+        kind, label = match[1].upper(), match[2].strip().upper()
+        if match[3].upper() != "CART":
+            raise InputError(
+                f"{where}: {kind}({label[:LABEL_LENGTH_LIMIT]}) in {match[3]} coordinates: only CART is read"
+            )
+        index = DMIS_LABEL.search(label[:LABEL_LENGTH_LIMIT])
+        if index is None:
+            raise InputError(
+                f"{where}: label = {excerpt(label)}: must tell flank, row and column, as CONCAVE_R1_C1 does"
+            )
+        key = (index[1].lower(), int(index[2]), int(index[3]))
+        values = _numbers(match[4], scale, where)
+        # A program defines a point, and its results put it out again.
+        if features[kind].setdefault(key, values) != values:
+            raise InputError(f"{where}: a second {kind}({label[:LABEL_LENGTH_LIMIT]}), other than the first")
+    return _combined(features["F"], features["FA"], source)
+
+
+def _statements(content: str) -> list[tuple[int, str]]:
+    """Numbered statements, comments left out and continued lines joined."""
+    result: list[tuple[int, list[str]]] = []
+    open_line = False
+    for number, raw in enumerate(content.splitlines(), start=1):
+        line = raw.split("$$")[0].strip()
+        if not line:
+            continue
+        continued = line.endswith("$")
+        part = line.rstrip("$").strip()
+        if open_line:
+            result[-1][1].append(part)
+        else:
+            result.append((number, [part]))
+        open_line = continued
+    return [(number, "".join(parts)[:LINE_LENGTH_LIMIT]) for number, parts in result]
+
+
+def _numbers(cells: str, scale: float, where: str) -> list[float]:
+    try:
+        values = [float(cell) for cell in cells.split(",")]
+    except ValueError as error:
+        raise InputError(f"{where}: {excerpt(cells)}: must be numbers separated by commas") from error
+    if len(values) not in (3, 6):
+        raise InputError(f"{where}: {len(values)} numbers: must be x,y,z,i,j,k")
+    return [scale * v for v in values[:3]] + values[3:]
+
+
+def _combined(nominal: cmm_csv.Points, actual: cmm_csv.Points, source: str) -> xr.Dataset:
+    if not actual:
+        raise InputError(f"{source}: no measured points (FA(...)=FEAT/POINT,CART,...) in it")
+    points: cmm_csv.Points = {}
+    for key, measured in actual.items():
+        name = f"{key[0].upper()}_R{key[1]}_C{key[2]}"
+        if len(nominal.get(key, [])) != 6:
+            raise InputError(f"{source}: FA({name}) has no nominal point F({name}) with its normal")
+        points[key] = [*nominal[key], *measured[:3]]
+    missing = [key for key in nominal if key not in actual]
+    if missing:
+        flank, row, column = missing[0]
+        raise InputError(
+            f"{source}: {len(missing)} points were not measured, the first {flank}, row {row}, col. {column}"
+        )
+    attributes: dict[str, Any] = {"length_unit": "mm"}
+    return cmm_csv.gridded(points, attributes, source)

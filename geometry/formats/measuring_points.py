@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import labelled, units_of
 from ...core.checks import file_path, instance, number, positive, shown, whole
 from ...core.errors import GeometryError, InputError
@@ -22,8 +22,6 @@ from ..flanks.flank import Flank, NodeStatus
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import PlacedFlank, placed_flanks, side
 from . import csv_points as cmm_csv
-
-Array = NDArray[Any]
 
 FORMAT = "easeoff measurement points"
 GRID_FORMAT = "easeoff measured grid"
@@ -144,20 +142,12 @@ def cmm_points(
             break
     for name, flank in zip(names, points, strict=True):
         _check_measurable(name, flank, columns)
-    values = np.stack([np.stack([flank.position, flank.normal]).reshape(2, 3, rows, columns) for flank in points])
-    grid = ("flank", "row", "column", "xyz")
-    dataset = xr.Dataset(
+    values = np.stack([np.concatenate([flank.position, flank.normal]).T.reshape(rows, columns, 6) for flank in points])
+    dataset = cmm_csv.point_grid(
+        names,
+        values,
+        {},
         {
-            "position": (grid, np.moveaxis(values[:, 0], 1, -1)),
-            "normal": (grid, np.moveaxis(values[:, 1], 1, -1)),
-        },
-        coords={
-            "flank": names,
-            "row": np.arange(1, rows + 1),
-            "column": np.arange(1, columns + 1),
-            "xyz": list("xyz"),
-        },
-        attrs={
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
             "length_unit": "mm",

@@ -9,20 +9,17 @@ import os
 import zlib
 from base64 import b64encode
 from collections.abc import Mapping
-from typing import Any
 from urllib.parse import quote
 from xml.etree import ElementTree
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import file_path
 from ...core.errors import InputError
 from ...core.output_file import whole_file
 from ..vectors import rotate_z
 from .step import merged, oriented, rotations
-
-Array = NDArray[Any]
 
 TITLE = "Surface mesh in mm, written by easeoff"
 QUADRILATERAL = 9  # number of this kind of cell in VTK

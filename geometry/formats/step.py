@@ -16,14 +16,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core import checks
+from ...core.arrays import Array
 from ...core.checks import file_path, instance
 from ...core.errors import InputError, MissingPackageError, how_to_install
 from ...core.output_file import whole_file
-
-Array = NDArray[Any]
 
 COPY_COUNT_LIMIT = 1000  # of a tooth; no gear has more
 NO_AREA = 1e-6  # [mm^2]

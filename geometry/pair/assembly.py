@@ -7,16 +7,13 @@ the nominal pinion axis is (sin Sigma, 0, cos Sigma); y is along the offset.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import check_fields
 from ..cutting.generating_surface import Hand
 from ..vectors import column
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

@@ -9,16 +9,13 @@ followed by its sign over the whole flank.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ..cutting.generating_surface import GeneratingSurface, SurfacePoints
 from ..vectors import column, cos_sin, cross, dot, rotate, rotate_z
 from .assembly import Assembly
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

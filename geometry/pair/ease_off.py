@@ -14,11 +14,11 @@ they are velocities in space.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface, SurfacePoints, points_at
@@ -28,8 +28,6 @@ from ..newton import complex_steps, cramers_rule, determinant
 from ..vectors import column, cross, dot
 from .assembly import Assembly
 from .conjugate_motion import ConjugateMotion
-
-Array = NDArray[Any]
 
 
 @frozen_arrays

@@ -17,22 +17,20 @@ smallest gap: to first order neither moves.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank import Flank, on_parts
 from ..vectors import dot
 from .ease_off import EaseOff, drift
-from .gear_pair import GearPair, PairGeometry, first_contact
+from .gear_pair import NODE_FIELDS, GearPair, PairGeometry, first_contact
 from .modification import Modification
-from .near_pair import KnownPair, NearPair, PairSetting, at_places, rate, uneven
-
-Array = NDArray[Any]
+from .near_pair import KnownPair, NearPair, Origin, PairSetting, at_places, rate, uneven
 
 STEP_SHARE = 0.02  # of the usual step of a setting, at most
 UNEVENNESS_LIMIT = 3e-4  # of the separation skew, which bends most: truncation is near the square, rounding 1e-8
@@ -106,44 +104,38 @@ class _Fields:
             "put_in": put_in.reshape(nodes),
             "position": np.moveaxis(gear.position.reshape(3, *nodes), 0, -1),
         }
-        for name in ("roll_angle", "lever_arm", "separation_curvature", "separation_skew"):
-            values[name] = getattr(exact, name).reshape(nodes)
-        for name in ("pinion_lengthwise", "pinion_profile", "blade_distance"):
+        for name in (*NODE_FIELDS, "blade_distance"):
             values[name] = getattr(exact, name).reshape(nodes)
         for name in ("action_position", "action_normal"):
             values[name] = np.moveaxis(getattr(exact, name).reshape(3, *nodes), 0, -1)
         # Most settings leave one of both members alone.
-        same = exact.pinion_position is self.geometry.exact.pinion_position
-        values["depth_pinion"] = self._known_depths[0] if same else self._pinion_depth(exact)
-        same = gear.position is self.geometry.members.gear.position
-        values["depth_gear"] = self._known_depths[1] if same else self._gear_depth(gear)
-        same = exact.pinion_position is self.geometry.exact.pinion_position
-        return values | (self._known_passing if same else self._passing(exact))
+        same_pinion = exact.pinion_position is self.geometry.exact.pinion_position
+        same_gear = gear.position is self.geometry.members.gear.position
+        values |= self._known_pinion if same_pinion else self._of_pinion(exact)
+        return values | {"depth_gear": self._known_gear if same_gear else self._depth(1, gear.position, gear.normal)}
 
-    def _passing(self, exact: EaseOff) -> dict[str, Array]:
+    def _of_pinion(self, exact: EaseOff) -> dict[str, Array]:
         moving, names = drift(exact), ("rate", "acceleration")
         both = {"lengthwise": moving.lengthwise, "profile": moving.profile}
-        return {
+        passing = {
             f"pinion_{way}_{name}": values.reshape(self.geometry.nodes)
             for way, orders in both.items()
             for name, values in zip(names, orders, strict=True)
         }
+        return {"depth_pinion": self._depth(0, exact.pinion_position, exact.pinion_normal), **passing}
 
     @cached_property
-    def _known_passing(self) -> dict[str, Array]:
-        return self._passing(self.geometry.exact)
-
-    def _pinion_depth(self, exact: EaseOff) -> Array:
-        depth = self.geometry.members.bodies[0].shell_coordinates(exact.pinion_position, exact.pinion_normal).depth
-        return depth.reshape(self.geometry.nodes)
-
-    def _gear_depth(self, gear: Flank) -> Array:
-        depth = self.geometry.members.bodies[1].shell_coordinates(gear.position, gear.normal).depth
-        return depth.reshape(self.geometry.nodes)
+    def _known_pinion(self) -> dict[str, Array]:
+        return self._of_pinion(self.geometry.exact)
 
     @cached_property
-    def _known_depths(self) -> tuple[Array, Array]:
-        return self._pinion_depth(self.geometry.exact), self._gear_depth(self.geometry.members.gear)
+    def _known_gear(self) -> Array:
+        gear = self.geometry.members.gear
+        return self._depth(1, gear.position, gear.normal)
+
+    def _depth(self, member: int, position: Array, normal: Array) -> Array:
+        depth = self.geometry.members.bodies[member].shell_coordinates(position, normal).depth
+        return depth.reshape(self.geometry.nodes)
 
     def by_term(self, name: str) -> dict[str, Array]:
         """Derivatives by a term of a modification [um], which adds to the ease-off alone."""
@@ -163,11 +155,27 @@ class _Fields:
         return np.asarray(relative - (ahead - behind) / (2.0 * step))
 
 
+def _by_settings(
+    geometry: PairGeometry,
+    settings: Sequence[PairSetting],
+    origins: tuple[Origin, ...],
+    slope: Callable[[Sequence[GearPair], float], Array],
+    shape: tuple[int, ...],
+) -> Array:
+    """Slopes (..., j) by the settings of some origins, from the pair at their ``PLACES``; zero by the others."""
+    slopes = np.zeros((*shape, len(settings)))
+    for number, setting in enumerate(settings):
+        if setting.of in origins:
+            step = STEP_SHARE * setting.scale
+            slopes[..., number] = slope(at_places(setting, geometry.pair, step), step)
+    return slopes
+
+
 def pinion_gap_slopes(
     geometry: PairGeometry,
     settings: Sequence[PairSetting],
-    pinion_parameters: Array,
-    pinion_part: NDArray[np.int8],
+    parameters: Array,
+    part: NDArray[np.int8],
     rotation: Array,
 ) -> Array:
     """Derivatives of the gap by the pinion's place, as a gear rotation (n, j) [rad].
@@ -175,33 +183,38 @@ def pinion_gap_slopes(
     Zero for settings of the gear and a modification. Pinion points (2, n) on parts (n), at rotations (n) [rad] counted
     as the roll angle; their zero follows the pinion's mean point.
     """
-    known = KnownPair(geometry)
-    slopes = np.zeros((*rotation.shape, len(settings)))
-    for number, setting in enumerate(settings):
-        if setting.of not in ("modification", "gear"):
-            step = STEP_SHARE * setting.scale
-            pairs = at_places(setting, geometry.pair, step)
-            slopes[..., number] = _of_pinion(known, pairs, step, pinion_parameters, pinion_part, rotation)
-    return slopes
+    known, motion = KnownPair(geometry), geometry.exact.motion
+    _, position, normal, _ = _from_gear(known, geometry.pair, parameters, part, rotation)
+    moment = position[0] * normal[1] - position[1] * normal[0]
+
+    def closing(pairs: Sequence[GearPair], step: float) -> Array:
+        each = [_from_gear(known, pair, parameters, part, rotation) for pair in pairs]
+        moved = rate([place for _, place, _, _ in each], step)
+        turned = rate([np.asarray(center) for _, _, _, center in each], step) / motion.assembly.ratio
+        return np.asarray(motion.pinion_sense * dot(moved, normal) / moment + turned)
+
+    return _by_settings(geometry, settings, ("pinion", "assembly"), closing, rotation.shape)
 
 
 def gear_gap_slopes(geometry: PairGeometry, settings: Sequence[PairSetting], gear: Flank) -> Array:
     """Derivatives of the gap by the gear flank, as a gear rotation (n, j) [rad]; zero for all but its settings."""
-    known = KnownPair(geometry)
-    slopes = np.zeros((gear.part.size, len(settings)))
-    for number, setting in enumerate(settings):
-        if setting.of == "gear":
-            step = STEP_SHARE * setting.scale
-            pairs = at_places(setting, geometry.pair, step)
-            slopes[:, number] = _of_gear(known, pairs, step, gear)
-    return slopes
+    moment = gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0]
+
+    def positions(pair: GearPair) -> Array:
+        return on_parts(pair.gear.loaded.flank_parts, gear.part, gear.parameters, lambda part, p: part.evaluate(p)[0])
+
+    def closing(pairs: Sequence[GearPair], step: float) -> Array:
+        moved = rate([positions(pair) for pair in pairs], step)
+        return np.asarray(-geometry.exact.motion.pinion_sense * dot(moved, gear.normal) / moment)
+
+    return _by_settings(geometry, settings, ("gear",), closing, gear.part.shape)
 
 
 def held_point_slopes(
     geometry: PairGeometry,
     settings: Sequence[PairSetting],
-    pinion_parameters: Array,
-    pinion_part: NDArray[np.int8],
+    parameters: Array,
+    part: NDArray[np.int8],
     rotation: Array,
 ) -> tuple[Array, Array]:
     """Derivatives of the place of pinion points of held parameters (n).
@@ -209,37 +222,17 @@ def held_point_slopes(
     Of axial and radial coordinate along the gear axis (2, n, j) [mm], and of both fractions on the pinion (2, n, j).
     """
     known = KnownPair(geometry)
-    section = geometry.exact.pinion_section
-    slopes = np.zeros((4, *rotation.shape, len(settings)))
 
     def stand(pair: GearPair) -> Array:
-        points, (x, y, z), _, _ = _from_gear(known, pair, pinion_parameters, pinion_part, rotation)
-        fractions = section.fractions(points[2], np.hypot(points[0], points[1]))
+        points, (x, y, z), _, _ = _from_gear(known, pair, parameters, part, rotation)
+        fractions = geometry.exact.pinion_section.fractions(points[2], np.hypot(points[0], points[1]))
         return np.stack([z, np.hypot(x, y), *fractions])
 
-    for number, setting in enumerate(settings):
-        if setting.of not in ("modification", "gear"):
-            step = STEP_SHARE * setting.scale
-            pairs = at_places(setting, geometry.pair, step)
-            slopes[..., number] = rate([stand(pair) for pair in pairs], step)
+    def moved(pairs: Sequence[GearPair], step: float) -> Array:
+        return rate([stand(pair) for pair in pairs], step)
+
+    slopes = _by_settings(geometry, settings, ("pinion", "assembly"), moved, (4, *rotation.shape))
     return slopes[:2], slopes[2:]
-
-
-def _of_gear(known: KnownPair, pairs: Sequence[GearPair], step: float, gear: Flank) -> Array:
-    moved = rate([_positions(pair.gear.loaded, gear.part, gear.parameters) for pair in pairs], step)
-    moment = gear.position[0] * gear.normal[1] - gear.position[1] * gear.normal[0]
-    return np.asarray(-known.exact.motion.pinion_sense * dot(moved, gear.normal) / moment)
-
-
-def _of_pinion(
-    known: KnownPair, pairs: Sequence[GearPair], step: float, parameters: Array, part: NDArray[np.int8], rotation: Array
-) -> Array:
-    motion = known.exact.motion
-    _, position, normal, _ = _from_gear(known, known.geometry.pair, parameters, part, rotation)
-    _, places, _, centers = zip(*(_from_gear(known, pair, parameters, part, rotation) for pair in pairs), strict=True)
-    moment = position[0] * normal[1] - position[1] * normal[0]
-    turned = rate([np.asarray(center) for center in centers], step) / motion.assembly.ratio
-    return np.asarray(motion.pinion_sense * dot(rate(places, step), normal) / moment + turned)
 
 
 def _from_gear(
@@ -257,7 +250,3 @@ def _from_gear(
     points = on_parts(pair.pinion.loaded.flank_parts, part, parameters, both)
     position, normal = there.turned(*pair.assembly.pinion_to_global(points[:3], points[3:]), rotation + there.center)
     return points, position - pair.assembly.gear_origin.reshape(3, 1), normal, there.center
-
-
-def _positions(surface: GeneratingSurface, part: NDArray[np.int8], parameters: Array) -> Array:
-    return on_parts(surface.flank_parts, part, parameters, lambda own, p: own.evaluate(p)[0])

@@ -11,8 +11,8 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import flag_attributes, labelled
 from ...core.checks import check_fields, frozen_arrays, instance, two_whole
 from ...core.errors import InputError
@@ -24,7 +24,11 @@ from .assembly import Assembly, Misalignment
 from .ease_off import Drift, EaseOff, drift, exact_ease_off
 from .tooth_body import ShellCoordinates, ToothBody, middle_angle, opposite_surface, tooth_body
 
-Array = NDArray[Any]
+#: Fields of an ``EaseOff`` that a result has as they are.
+NODE_FIELDS = (
+    *("roll_angle", "lever_arm", "separation_curvature", "separation_skew"),
+    *("pinion_lengthwise", "pinion_profile"),
+)
 STATUS = flag_attributes({int(s): s.name for s in NodeStatus})
 
 
@@ -91,12 +95,7 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift
     values = {
         "ease_off": 1e3 * angle * ease_off.lever_arm,
         "ease_off_angle": angle,
-        "roll_angle": ease_off.roll_angle,
-        "lever_arm": ease_off.lever_arm,
-        "separation_curvature": ease_off.separation_curvature,
-        "separation_skew": ease_off.separation_skew,
-        "pinion_lengthwise": ease_off.pinion_lengthwise,
-        "pinion_profile": ease_off.pinion_profile,
+        **{name: getattr(ease_off, name) for name in NODE_FIELDS},
         "pinion_lengthwise_rate": drift.lengthwise[0],
         "pinion_profile_rate": drift.profile[0],
         "pinion_lengthwise_acceleration": drift.lengthwise[1],
@@ -219,6 +218,15 @@ class Member:
         if self.opposite is None:
             raise InputError("the member has one flank only: give the settings of the other one, too")
         return replace(self, loaded=self.opposite, opposite=self.loaded)
+
+    @property
+    def other(self) -> GeneratingSurface:
+        """The opposite flank; if it is not given, that of the other blade in the same machine."""
+        return self.opposite or opposite_surface(self.loaded)
+
+    def middle_angle(self) -> tuple[float, float]:
+        """Sense of rotation into the tooth, and angle between the middles of its flanks as cut: ``tooth_body``."""
+        return middle_angle(self.section, self.loaded, self.other)
 
     def flank(self, lengthwise: Array, profile: Array) -> Flank:
         """The loaded flank on a grid of fractions (nt) and (nh); nodes in lengthwise-major order."""
@@ -459,26 +467,23 @@ def tooth_angles(pair: GearPair) -> tuple[float, float]:
     the gear's slot: thicker than it admits where the middles do not meet, see ``backlash``.
     """
     gear, pinion = pair.gear, pair.pinion
-    gear_angle = _given(gear) or (_left_by_cutter(gear) if gear.one_set_up else np.pi / gear.teeth)
+    gear_angle = _given(gear) or (left_by_cutter(gear) if gear.one_set_up else np.pi / gear.teeth)
     return _given(pinion) or (2.0 * np.pi - gear.teeth * gear_angle) / pinion.teeth, gear_angle
 
 
 def bodies(pair: GearPair) -> tuple[ToothBody, ToothBody]:
     """Teeth of pinion and gear between their flanks, as thick as ``tooth_angles`` says."""
     pinion_angle, gear_angle = tooth_angles(pair)
-    return _body(pair.pinion, pinion_angle), _body(pair.gear, gear_angle)
+    pinion, gear = (
+        tooth_body(member.section, member.loaded, member.other, angle)
+        for member, angle in ((pair.pinion, pinion_angle), (pair.gear, gear_angle))
+    )
+    return pinion, gear
 
 
-def _body(member: Member, mean_angle: float) -> ToothBody:
-    opposite = member.opposite or opposite_surface(member.loaded)
-    return tooth_body(member.section, member.loaded, opposite, mean_angle)
-
-
-def _left_by_cutter(member: Member) -> float:
+def left_by_cutter(member: Member) -> float:
     """Angular thickness [rad] of the tooth between two slots of one set-up."""
-    opposite = member.opposite or opposite_surface(member.loaded)
-    _, angle = middle_angle(member.section, member.loaded, opposite)
-    return float(np.mod(angle, 2.0 * np.pi / member.teeth))
+    return float(np.mod(member.middle_angle()[1], 2.0 * np.pi / member.teeth))
 
 
 def _given(member: Member) -> float | None:

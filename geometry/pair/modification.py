@@ -4,16 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import instance, number, one_of, whole
 from .gear_pair import first_contact
-
-Array = NDArray[Any]
 
 TERM_ORDERS = (2, 3, 4)
 #: Powers of the terms up to second order by their names, which are those of ``EaseOffTarget``.

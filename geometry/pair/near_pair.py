@@ -17,6 +17,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import one_of
 from ..cutting.generating_surface import GeneratingSurface, SurfacePoints, axial_and_radial
 from ..cutting.named_settings import MODIFIED_ROLL_ORDERS, MOTION_PATTERN, get_setting, scale_of, with_settings
@@ -95,8 +96,6 @@ def is_angle(setting: PairSetting) -> bool:
     base = setting.name.rsplit("_motion_", 1)[0]
     return base.endswith(("_angle", "cutter_tilt", "cutter_swivel"))
 
-
-Array = NDArray[Any]
 
 #: Steps of a fourth-order difference, see ``rate``.
 PLACES = (-2.0, -1.0, 1.0, 2.0)

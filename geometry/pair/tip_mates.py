@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ..cutting.generating_surface import SurfacePoints
 from ..flanks.flank import Flank, NodeStatus, pick, solve_flank
 from .ease_off import conjugate_motion, exact_ease_off
 from .gear_pair import GearPair
-
-Array = NDArray[Any]
 
 TIP_NODES = 41  # along a tip
 NOT_CUT = (NodeStatus.NO_SOLUTION, NodeStatus.UNDERCUT, NodeStatus.BEYOND_BLADE_TIP)

@@ -8,20 +8,17 @@ direction of the force in the plate's axes and the distance to the foot.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.polynomial import legendre
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, into_tooth, solve_flank
 from ..vectors import dot, rotate
-
-Array = NDArray[Any]
 
 Z_AXIS = np.array([0.0, 0.0, 1.0])
 COMPARISON_NODES = (13, 9)  # where both flanks of a tooth are compared, lengthwise and profile

@@ -2,6 +2,11 @@
 
 Most settings leave it as it is: the other flank of a tooth stands where the thickness puts it. Where a gear is cut from
 one set-up its cutter leaves the tooth, and the pinion's is as thick as the slot is wide.
+
+Backlash of a pair: how far the gear can turn between contact on the drive side and contact on the coast side.
+
+Both sides have their ease-off in the position in which the machines cut the flanks. Its least value is where the flanks
+first touch; the thickness of the teeth turns the flanks of the other side.
 """
 
 from __future__ import annotations
@@ -9,19 +14,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.errors import GeometryError
 from ..flanks.flank import Flank, solve_flank
 from .assembly import Misalignment
-from .gear_pair import GearPair, Member, spiral_cosine, thickness_per_angle, tooth_angles
+from .ease_off import exact_ease_off
+from .gear_pair import GearPair, Member, grid, spiral_cosine, thickness_per_angle, tooth_angles
 from .near_pair import PairSetting
-from .tooth_body import middle_angle, opposite_surface
-
-Array = NDArray[Any]
 
 STEP_SHARE = 1e-3  # of the usual step of a setting
 TOUCH_TOLERANCE = 0.02  # of the cone distance: pitch cones further apart do not touch
@@ -123,7 +125,7 @@ def mean_normal_thickness(member: Member, mid_flank_thickness: float, distance: 
 def _at_mean_point(member: Member, distance: float) -> tuple[float, float]:
     """Normal arc per angle on the pitch cone [mm/rad], and by what angle the tooth is thicker there than mid-flank."""
     front, back = flanks = _mean_flanks(member, distance)
-    turn, middle = middle_angle(member.section, member.loaded, member.opposite or opposite_surface(member.loaded))
+    turn, middle = member.middle_angle()
     if not math.isfinite(middle):
         raise GeometryError("a flank does not pass through the middle of its blank")
     ends = [math.atan2(flank.position[1, 0], flank.position[0, 0]) for flank in (front, back)]
@@ -133,8 +135,7 @@ def _at_mean_point(member: Member, distance: float) -> tuple[float, float]:
 def _mean_flanks(member: Member, distance: float) -> list[Flank]:
     """The loaded flank and the other one at the mean point, one node each."""
     axial, radial = member.section.on_pitch_cone(distance)[:, None]
-    surfaces = (member.loaded, member.opposite or opposite_surface(member.loaded))
-    flanks = [solve_flank(surface, member.section, axial, radial) for surface in surfaces]
+    flanks = [solve_flank(surface, member.section, axial, radial) for surface in (member.loaded, member.other)]
     if not all(np.isfinite(flank.position).all() for flank in flanks):
         raise GeometryError("a flank does not pass through the mean point of its blank")
     return flanks
@@ -161,3 +162,27 @@ def thickness_slopes(pair: GearPair, settings: Sequence[PairSetting]) -> Array:
             ahead, behind = (mean_thicknesses(setting.moved(pair, sign * step)) for sign in (1.0, -1.0))
             slopes[:, number] = (ahead - behind) / (2.0 * step)
     return slopes
+
+
+NODES = (31, 21)
+
+
+def filling_thickness(pair: GearPair) -> float:
+    """Normal circular thickness of the pinion's tooth in the middle of its flank [mm] that leaves no backlash.
+
+    The gear's is that of ``gear_pair.tooth_angles``; both members need both flanks.
+    """
+    other = replace(pair, pinion=pair.pinion.from_opposite, gear=pair.gear.from_opposite)
+    touching, senses = [], []
+    for side in (pair, other):
+        t, h = grid(NODES)
+        surface = exact_ease_off(side.gear.flank(t, h), side.pinion.loaded, side.pinion.section, side.assembly)
+        touching.append(float(surface.angle[surface.inside].min()))
+        senses.append(surface.motion.pinion_sense)
+    turn, as_cut = pair.gear.middle_angle()
+    gear_rotation = turn * (tooth_angles(pair)[1] - as_cut)
+    # Each side touches where the gear is turned by its least ease-off against its own sense of drive.
+    rotation = -pair.assembly.ratio * (gear_rotation + senses[0] * sum(touching))
+    turn, as_cut = pair.pinion.middle_angle()
+    angle = float(np.mod(as_cut + turn * rotation, 2.0 * np.pi / pair.pinion.teeth))
+    return angle * thickness_per_angle(pair.pinion)

@@ -1,5 +1,5 @@
 """The whole tooth: both flanks, fillets and lands, and its lattice of bricks."""
 
-from .tooth_dataset import tooth
+from .tooth_surface import tooth
 
 __all__ = ["tooth"]

@@ -7,21 +7,19 @@ about the axis until the tooth has the thickness the pair gives it.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import instance, one_of
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, solve_flank
 from ..pair.gear_pair import MEMBERS, GearPair, Member, tooth_angles
-from ..pair.tooth_body import middle_angle, opposite_surface
 from ..vectors import rotate_z
 
-Array = NDArray[Any]
 Side = Literal["concave", "convex"]
 MemberName = Literal["pinion", "gear"]
 
@@ -54,8 +52,8 @@ def placed_flanks(member: Member, tooth_angle: float) -> dict[Side, PlacedFlank]
     An unknown other flank is that of the other blade in the same machine.
     """
     loaded = PlacedFlank(member.section, member.loaded)
-    opposite = PlacedFlank(member.section, member.opposite or opposite_surface(member.loaded))
-    turn, as_cut = middle_angle(member.section, member.loaded, opposite.surface)
+    opposite = PlacedFlank(member.section, member.other)
+    turn, as_cut = member.middle_angle()
     rotation = float(np.mod(turn * (tooth_angle - as_cut) + np.pi, 2.0 * np.pi) - np.pi)
     return {side(member.loaded): loaded, side(opposite.surface): replace(opposite, rotation=rotation)}
 

@@ -25,11 +25,11 @@ The gear body under one tooth and beyond its ends, in the sections of the tooth'
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays, instance, positive, two_whole, whole
 from ...core.errors import GeometryError, InputError
 from ..flanks.blank_section import BlankSection
@@ -37,8 +37,6 @@ from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
 from .tooth_flanks import named_member
 from .tooth_surface import ToothSide, tooth_surface
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)
@@ -295,6 +293,12 @@ class LatticeSections:
     middle: Array
     depth: Array
 
+    @classmethod
+    def at(cls, blank: BlankSection, lengthwise: Array, turn: float, middle: Array) -> LatticeSections:
+        """Sections at lengthwise fractions (nt), as deep as the blank."""
+        root, tip = (np.asarray(blank.points(lengthwise, np.full_like(lengthwise, h))) for h in (0.0, 1.0))
+        return cls(blank, lengthwise, turn, middle, np.hypot(*(tip - root)))
+
     def plane(self, points: Array) -> Array:
         """Coordinates (2, nt, ...) of points (3, nt, ...)."""
         radius = np.hypot(points[0], points[1])
@@ -368,8 +372,7 @@ def overhang(sections: LatticeSections, body: Array, end: int, away: Array, web:
         away, slope = np.concatenate([away, further]), np.append(slope, np.full(further.size, slope[-1]))
     t = sections.lengthwise[end] + (away if end else -away) / length
     middle = sections.middle[end] + slope
-    root, tip = (np.asarray(sections.blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
-    beyond = LatticeSections(sections.blank, t, sections.turn, middle, np.hypot(*(tip - root)))
+    beyond = LatticeSections.at(sections.blank, t, sections.turn, middle)
     up = up.reshape(t.size, -1)
     angle = body[0, end] / sections.radial(body[1])[1][end]
     plane = np.stack([angle.ravel() * beyond.radial(up)[1], up])
@@ -381,8 +384,7 @@ def _web_distances(sections: LatticeSections, floor: float, start: float, length
 
     def radius(away: float) -> float:
         t = np.array([sections.lengthwise[0] - away / length])
-        root, tip = (np.asarray(sections.blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
-        one = LatticeSections(sections.blank, t, sections.turn, np.zeros(1), np.hypot(*(tip - root)))
+        one = LatticeSections.at(sections.blank, t, sections.turn, np.zeros(1))
         return float(one.radial(np.array([floor]))[1][0])
 
     wanted, at_rim, falling = 0.5 * web.bore_diameter, radius(start), radius(start) - radius(start + 1.0)
@@ -507,14 +509,13 @@ def tooth_lattice(
 def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Array) -> LatticeSections:
     azimuths = [np.arctan2(tip[1], tip[0]) for tip in (front, back)]
     swing = np.mod(turn * (azimuths[1] - azimuths[0]) + np.pi, 2.0 * np.pi) - np.pi
-    root, tip = (np.asarray(blank.points(t, np.full_like(t, h))) for h in (0.0, 1.0))
-    return LatticeSections(blank, t, turn, azimuths[0] + 0.5 * turn * swing, np.hypot(*(tip - root)))
+    return LatticeSections.at(blank, t, turn, azimuths[0] + 0.5 * turn * swing)
 
 
-def _upward(side: ToothSide, fillet: Array, flank: Array) -> tuple[Array, int]:
-    """Values up the whole side and the index of the lattice's corner."""
-    corner = round(CORNER_SHARE * (side.fillet.shape[2] - 1))
-    return np.concatenate([fillet[:, :, :-1], flank], axis=2), corner
+def _corner(side: ToothSide) -> int:
+    """Index of the lattice's corner among the points of a side."""
+    nodes: int = side.fillet.shape[2]
+    return round(CORNER_SHARE * (nodes - 1))
 
 
 def _along(values: Array, curve: Array, fractions: Array) -> Array:
@@ -533,15 +534,13 @@ def _along(values: Array, curve: Array, fractions: Array) -> Array:
 
 def _side_curves(sections: LatticeSections, side: ToothSide, land: Array, slot: int, up: Array) -> tuple[Array, Array]:
     """Slot floor (2, nt, 2 slot + 1) towards the corner, and side (2, nt, up) from there to the tip."""
-    points, corner = _upward(side, side.fillet, side.flank)
-    upward, floor = sections.plane(points), sections.plane(land)
+    corner, upward, floor = _corner(side), sections.plane(side.points), sections.plane(land)
     floor = np.concatenate([floor[:, :, :-1], upward[:, :, : corner + 1]], axis=2)
     towards = 1.0 - graded(slot, 1.5)[::-1]
     return _along(floor, floor, towards), _along(upward[:, :, corner:], upward[:, :, corner:], up)
 
 
 def _flank_normals(sections: LatticeSections, side: ToothSide, up: Array) -> Array:
-    points, corner = _upward(side, side.fillet, side.flank)
-    normals, _ = _upward(side, side.fillet_normal, side.flank_normal)
-    vectors = _along(normals[:, :, corner:], sections.plane(points)[:, :, corner:], up)
+    corner = _corner(side)
+    vectors = _along(side.normals[:, :, corner:], sections.plane(side.points)[:, :, corner:], up)
     return np.moveaxis(vectors / np.sqrt(np.sum(vectors**2, axis=0)), 0, -1)

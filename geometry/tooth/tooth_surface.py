@@ -13,17 +13,21 @@ Toe and heel faces of a tooth: how they stand to its loaded flank, and how high 
 The ends of spiral teeth are blunt or sharp wedges.
 
 Widths of the lands between generated flanks: at the tip of a tooth, and at the bottom of its slot.
+
+The real tooth as a labelled dataset: points and normals of both sides from root land to tip, and its thickness.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
+from ...core.attributes import flag_attributes, labelled
 from ...core.checks import frozen_arrays, two_whole
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
@@ -35,8 +39,6 @@ from ..pair.gear_pair import GearPair, Member
 from ..pair.tooth_body import Z_AXIS
 from ..vectors import cross, rotate
 from .tooth_flanks import PlacedFlank, Side, named_member, placed_flanks, side, tooth_angle
-
-Array = NDArray[Any]
 
 FLANK_NODES_MINIMUM = 5  # in each direction
 FILLET_NODES = 9
@@ -55,6 +57,16 @@ class ToothSide:
     fillet_normal: Array
     flank: Array  # (3, nt, nh) [mm] to the tip; the first ones are the last of the fillet
     flank_normal: Array
+
+    @property
+    def points(self) -> Array:
+        """From the root land to the tip (3, nt, nf + nh - 1) [mm]."""
+        return np.concatenate([self.fillet[:, :, :-1], self.flank], axis=2)
+
+    @property
+    def normals(self) -> Array:
+        """Outward unit normals at the points."""
+        return np.concatenate([self.fillet_normal[:, :, :-1], self.flank_normal], axis=2)
 
     def turned(self, angle: float) -> ToothSide:
         """The same side turned about the member's axis [rad]."""
@@ -459,3 +471,88 @@ def _width(front: Array, back: Array, turn: float) -> tuple[Array, Array]:
     around = 2.0 * radius[1] * np.sin(0.5 * (middle[2] - middle[0]))
     along = np.hypot(axial[2] - axial[0], radius[2] - radius[0])
     return np.asarray(angle.reshape(3, -1)[1]), np.asarray(radius[1] * along / np.hypot(along, around))
+
+
+THICKNESS_LEVELS = 21
+REGION_FLAGS = flag_attributes({0: "fillet", 1: "flank"})
+
+
+def tooth(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> xr.Dataset:
+    """The real tooth of one member.
+
+    Parameters
+    ----------
+    pair
+        The gear pair.
+    member
+        ``"pinion"`` or ``"gear"``.
+    nodes
+        Nodes lengthwise and up the flank.
+
+    Returns
+    -------
+    xr.Dataset
+        ``position`` [mm] and ``normal`` over (side, lengthwise, upward, xyz), the first side loaded, both in the
+        member's frame and where they belong around the tooth; ``region`` says which nodes are fillet; and
+        ``transverse_thickness`` [mm] over (lengthwise, level), from the higher end of both fillets to the tip.
+
+    Raises
+    ------
+    GeometryError
+        As ``tooth_surface.tooth_surface``.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("nasa-12x36"))
+    >>> dict(tooth(pair, "gear", (5, 5))["position"].sizes)
+    {'side': 2, 'lengthwise': 5, 'upward': 13, 'xyz': 3}
+    """
+    surface = tooth_surface(pair, member, nodes)
+    section = named_member(pair, member).section
+    sides = (surface.loaded, surface.opposite)
+    fillet_nodes, flank_nodes = sides[0].fillet.shape[2], sides[0].flank.shape[2]
+    grid = ("side", "lengthwise", "upward", "xyz")
+    lengthwise = np.linspace(0.0, 1.0, nodes[0])
+    return labelled(
+        xr.Dataset(
+            {
+                "position": (grid, np.stack([np.moveaxis(s.points, 0, -1) for s in sides])),
+                "normal": (grid, np.stack([np.moveaxis(s.normals, 0, -1) for s in sides])),
+                "region": ("upward", np.repeat([0, 1], [fillet_nodes - 1, flank_nodes]).astype(np.int8), REGION_FLAGS),
+                "transverse_thickness": (("lengthwise", "level"), transverse_thickness(surface, section)),
+            },
+            coords={
+                "side": list(surface.names),
+                "lengthwise": lengthwise,
+                "level": np.linspace(0.0, 1.0, THICKNESS_LEVELS),
+                "xyz": list("xyz"),
+            },
+            attrs={"member": member},
+        )
+    )
+
+
+def transverse_thickness(surface: ToothSurface, section: BlankSection) -> Array:
+    """Chord across the tooth at right angles to the member's axis (nt, levels) [mm]."""
+    from scipy.interpolate import PchipInterpolator
+
+    thickness = np.empty((surface.top_land.shape[1], THICKNESS_LEVELS))
+    for index in range(thickness.shape[0]):
+        heights, azimuths = zip(
+            *(_profile(side, section, index) for side in (surface.loaded, surface.opposite)), strict=True
+        )
+        common = np.linspace(max(h[0] for h in heights), 1.0, THICKNESS_LEVELS)
+        front, back = (PchipInterpolator(h, a)(common) for h, a in zip(heights, azimuths, strict=True))
+        _, radius = section.points(np.full(THICKNESS_LEVELS, index / (thickness.shape[0] - 1)), common)
+        thickness[index] = 2.0 * radius * np.abs(np.sin(0.5 * (back - front)))
+    return thickness
+
+
+def _profile(side: ToothSide, section: BlankSection, index: int) -> tuple[Array, Array]:
+    """Profile fraction and azimuth [rad] of one line from root land to tip."""
+    x, y, z = side.points[:, index]
+    _, height = section.fractions(z, np.hypot(x, y))
+    # A fillet without height, of a sharp Formate blade, gives one node many times over.
+    rising = np.concatenate([[True], np.diff(height) > 1e-9])
+    return height[rising], np.unwrap(np.arctan2(y, x))[rising]

@@ -38,8 +38,9 @@ from .operating import Friction, FrictionConditions, Operating
 if TYPE_CHECKING:
     from ...contact.supports.assembly_rounds import AssemblyRounds
     from ...contact.supports.support import LoadedSupports
+    from ...core.arrays import Array
     from ...friction import FrictionModel, Lubricant
-    from ...friction.operation import Array, Numbers, Roughness
+    from ...friction.operation import Numbers, Roughness
 
 
 def with_friction(

@@ -43,9 +43,10 @@ from .operating import Friction, FrictionConditions, friction_of
 from .swept_quantity import swept_quantity
 
 if TYPE_CHECKING:
+    from ...core.arrays import Array
     from ...friction import FrictionModel, Lubricant, Operation
     from ...friction.loaded_contacts import LoadedContacts
-    from ...friction.operation import Array, Numbers, Roughness
+    from ...friction.operation import Numbers, Roughness
 
 #: Keys of the cutter in a case file, and the settings of the blade that they are.
 CUTTER_KEYS = {

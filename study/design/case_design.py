@@ -27,8 +27,8 @@ from ...cases.schema.design_schema import Design
 from ...cases.writing import blank_table, flank_settings, recorded_thicknesses
 from ...core.checks import instance
 from ...core.errors import GeometryError, InputError
-from ...geometry.design.edge_radius import require_whole_tooth
 from ...geometry.design.pair_design import PairDesign, design_pair
+from ...geometry.design.slot_width import require_whole_tooth
 from ...geometry.design.synthesis import Synthesis, fit_pinion
 from ...geometry.flanks.flank import solve_flank
 from ...geometry.pair.ease_off import exact_ease_off

@@ -28,10 +28,18 @@ from ...core.errors import EaseoffError, GeometryError, InputError
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ...geometry.design.closest_fit import require_usable, residual_limits
-from ...geometry.design.edge_radius import REDUCTIONS, SMALLEST_SHARE, require_whole_tooth
 from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES, PairDesign
 from ...geometry.design.pinion_method import ADVICE, at_limit
-from ...geometry.design.slot_width import BLADE_OVERLAP, EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
+from ...geometry.design.slot_width import (
+    BLADE_OVERLAP,
+    REDUCTIONS,
+    SMALLEST_SHARE,
+    EdgeRadiusLimits,
+    SlotWidths,
+    ToothLine,
+    TopLands,
+    require_whole_tooth,
+)
 from ...geometry.design.tooth_proportions import FILLET_MUTILATION, ToothProportions, measured_proportions
 from ...geometry.flanks.blank_section import BlankSection
 from ...geometry.flanks.flank import NodeStatus

@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from tabulate import tabulate
 
 from ...geometry.cutting.named_settings import get_setting, setting_step
-from ...geometry.deviation.correction_fit import EFFECT_LIMIT
-from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
+from ...geometry.deviation.corrective_settings import EFFECT_LIMIT, CorrectedFlank, Correction
 from ...geometry.deviation.deviation import zeroed
 from ...geometry.deviation.global_errors import angle_errors, fit_global_errors
 from ...geometry.pair.gear_pair import MEMBERS

@@ -34,8 +34,9 @@ from .sweep_file import SWEEP_SCHEMA_VERSION
 from .sweep_plan import PointTable, SweepPlan, SweepSetup, planned_sweep
 
 if TYPE_CHECKING:
+    from ...core.arrays import Array
     from ...friction import FrictionModel, Lubricant
-    from ...friction.operation import Array, Numbers, Roughness
+    from ...friction.operation import Numbers, Roughness
 
 WORKER_COUNT_LIMIT = 1024
 BATCH_TIME = 4.0  # [s]; a scheduler stalls on many short tasks, and a kill loses a batch

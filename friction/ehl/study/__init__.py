@@ -1,14 +1,5 @@
 """The parameter study of the film model, and the friction formula fitted to it."""
 
-from .friction_formula import FrictionFormula, compare, fit_friction, shipped_formula
-from .study_design import Design, Resolution, run_study
+from ....core.lazy_names import lazy_names
 
-__all__ = [
-    "Design",
-    "FrictionFormula",
-    "Resolution",
-    "compare",
-    "fit_friction",
-    "run_study",
-    "shipped_formula",
-]
+__getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -26,6 +26,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from ....core import checks
+from ....core.arrays import RealArray as Array
 from ....core.checks import frozen_arrays
 from ....core.errors import InputError
 from ....core.output_file import check_writable, whole_file
@@ -35,10 +36,11 @@ from ...kolivand_formula import Flags, combined_flags
 from ..reynolds_equation import Status
 from .study_design import oil_75w90
 
-Array = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 #: The variables, whose logarithms are the columns; where the range is concerned, roughness stands for the last.
 VARIABLES = ("hertz_pressure", "equivalent_radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
+#: Arguments of a formula, in their order.
+INPUTS = (*VARIABLES[:-1], "pressure_viscosity", "composite_roughness", "contact_modulus")
 #: All products of up to as many variables, each term after the one that it extends.
 DEGREE = 3
 TERMS = tuple(t for d in range(DEGREE + 1) for t in combinations_with_replacement(range(len(VARIABLES)), d))
@@ -157,17 +159,10 @@ class FrictionFormula:
             Where nothing was beyond the range, and the oil like that of the study: its pressure-viscosity coefficient
             within 15 % of the other's at the same viscosity.
         """
-        inputs = (
-            hertz_pressure,
-            equivalent_radius,
-            rolling_velocity,
-            slide_to_roll,
-            viscosity,
-            pressure_viscosity,
-            composite_roughness,
-            contact_modulus,
+        logarithms, material, modulus = logarithms_of(
+            *(hertz_pressure, equivalent_radius, rolling_velocity, slide_to_roll),
+            *(viscosity, pressure_viscosity, composite_roughness, contact_modulus),
         )
-        logarithms, material, modulus = logarithms_of(*inputs)
         usual = self._usual_material(logarithms)
         inside = ~np.any(self._beyond(logarithms), axis=-1) & (np.abs(material - usual) <= OIL_TOLERANCE)
         material = np.clip(material, usual - OIL_TOLERANCE, usual + OIL_TOLERANCE)
@@ -263,16 +258,7 @@ def read_formula(path: str | os.PathLike[str]) -> FrictionFormula:
 
 def _inputs(conditions: ContactConditions) -> tuple[ArrayLike, ...]:
     """Arguments of a formula from conditions of contacts."""
-    return (
-        conditions.hertz_pressure,
-        conditions.equivalent_radius,
-        conditions.rolling_velocity,
-        conditions.slide_to_roll,
-        conditions.viscosity,
-        conditions.pressure_viscosity,
-        conditions.composite_roughness,
-        conditions.contact_modulus,
-    )
+    return tuple(getattr(conditions, name) for name in INPUTS)
 
 
 def logarithms_of(*inputs: ArrayLike) -> tuple[Array, Array, Array]:

@@ -39,8 +39,8 @@ from ...lubricants.lubricant import lubricant
 from ..asperities import Asperities, generated_profile
 from ..film import FEWEST_NODES, MOST_NODES, Film, domain, mixed_film, smooth_film
 from ..lubricated_contact import PRESSURE_PARAMETER_LIMIT, LubricatedContact, Oil
+from ..passage import ROUGH_INLET_GAP_RATIO, TOUCHING_FILM, rough_passage
 from ..reynolds_equation import Status
-from ..rough_passage import ROUGH_INLET_GAP_RATIO, TOUCHING_FILM, rough_passage
 from ..shear_traction import BOUNDARY_FRICTION, traction
 
 #: Not in the dissertation: Eyring stress of a usual gear oil [Pa].

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Literal
+from typing import Annotated, Literal
 
 from ....core.checks import number, one_of, positive, two_whole, whole
 from ....core.errors import InputError
@@ -103,32 +103,32 @@ class BlankDesign:
     method: int
     process: Process
     number_of_teeth: tuple[int, int]
-    mean_spiral_angle: float
-    gear_face_width: float
-    cutter_radius: float
-    nominal_drive_pressure_angle: float
-    nominal_coast_pressure_angle: float
-    gear_outer_pitch_diameter: float | None = None
-    gear_mean_pitch_diameter: float | None = None
-    shaft_angle: float = math.pi / 2
-    hypoid_offset: float = 0.0
-    number_of_blade_groups: int | None = None
-    limit_pressure_angle_influence: float = 0.0
-    profile_shift_coefficient: float | None = None
-    basic_addendum_factor: float | None = None
-    basic_dedendum_factor: float | None = None
-    thickness_modification_coefficient: float | None = None
-    gear_mean_addendum_factor: float | None = None
-    depth_factor: float | None = None
-    clearance_factor: float | None = None
-    thickness_factor: float | None = None
-    gear_mean_slot_width: float | None = None
-    outer_normal_backlash: float | None = None
-    outer_transverse_backlash: float | None = None
-    mean_normal_backlash: float | None = None
-    mean_transverse_backlash: float | None = None
-    gear_addendum_angle: float | None = None
-    gear_dedendum_angle: float | None = None
+    mean_spiral_angle: Annotated[float, "beta_m1", "beta_m2"]
+    gear_face_width: Annotated[float, "b2"]
+    cutter_radius: Annotated[float, "rc0"]
+    nominal_drive_pressure_angle: Annotated[float, "alpha_dD"]
+    nominal_coast_pressure_angle: Annotated[float, "alpha_dC"]
+    gear_outer_pitch_diameter: Annotated[float | None, "de2"] = None
+    gear_mean_pitch_diameter: Annotated[float | None, "dm2"] = None
+    shaft_angle: Annotated[float, "Sigma"] = math.pi / 2
+    hypoid_offset: Annotated[float, "a"] = 0.0
+    number_of_blade_groups: Annotated[int | None, "z0"] = None
+    limit_pressure_angle_influence: Annotated[float, "f_alim"] = 0.0
+    profile_shift_coefficient: Annotated[float | None, "x_hm1"] = None
+    basic_addendum_factor: Annotated[float | None, "k_hap"] = None
+    basic_dedendum_factor: Annotated[float | None, "k_hfp"] = None
+    thickness_modification_coefficient: Annotated[float | None, "x_smn"] = None
+    gear_mean_addendum_factor: Annotated[float | None, "c_ham"] = None
+    depth_factor: Annotated[float | None, "k_d"] = None
+    clearance_factor: Annotated[float | None, "k_c"] = None
+    thickness_factor: Annotated[float | None, "k_t"] = None
+    gear_mean_slot_width: Annotated[float | None, "W_m2"] = None
+    outer_normal_backlash: Annotated[float | None, "j_en"] = None
+    outer_transverse_backlash: Annotated[float | None, "j_et2"] = None
+    mean_normal_backlash: Annotated[float | None, "j_mn"] = None
+    mean_transverse_backlash: Annotated[float | None, "j_mt2"] = None
+    gear_addendum_angle: Annotated[float | None, "theta_a2"] = None
+    gear_dedendum_angle: Annotated[float | None, "theta_f2"] = None
     depth_taper: DepthTaper | None = None
 
     def __post_init__(self) -> None:

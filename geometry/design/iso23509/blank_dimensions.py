@@ -1,74 +1,79 @@
-"""The dimensions of a blank, as a frozen record with the names of the field instead of symbols.
+"""The dimensions of a blank, by names of the field, each with its symbol in ISO 23509.
 
 The dimensions of one member, from its cones and its depth at the mean point (ISO 23509:2016, 7.7 to 7.9).
-
-Taper of the tooth depth along the face: addendum and dedendum angle of the gear (ISO 23509:2016, annex C.5).
-
-The sum of the dedendum angles of both members is the amount by which the roots of pinion and gear open towards the
-heel. Standard taper makes the depth proportional to the cone distance; constant slot width (duplex) tilts the root
-line until a slot has the same width at toe and heel, so that one cutter can finish both flanks; modified slot width
-(tilted root line) does the same but never exceeds 1.3 times the standard sum.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Annotated
 
 from ....core.errors import GeometryError
-from .blank_design import DepthTaper
 
 
 @dataclass(frozen=True, kw_only=True)
-class MemberBlank:
-    """Blank of one member [mm, rad], by the symbols of ISO 23509 without the member's digit.
+class MemberFrame:
+    """Cones, face width, spiral angles and mean depth of one member [mm, rad], from which the rest follows."""
+
+    number_of_teeth: Annotated[int, "z"]
+    pitch_angle: Annotated[float, "delta"]
+    face_angle: Annotated[float, "delta_a"]
+    root_angle: Annotated[float, "delta_f"]
+    face_apex: Annotated[float, "tzF"]
+    root_apex: Annotated[float, "tzR"]
+    mean_point_distance: Annotated[float, "tzm"]  # from the crossing point along the axis
+    mean_cone_distance: Annotated[float, "Rm"]
+    outer_face_width: Annotated[float, "be"]  # mean point to heel
+    inner_face_width: Annotated[float, "bi"]  # toe to mean point
+    outer_spiral_angle: Annotated[float, "beta_e"]
+    mean_spiral_angle: Annotated[float, "beta_m"]
+    inner_spiral_angle: Annotated[float, "beta_i"]
+    mean_addendum: Annotated[float, "ham"]
+    mean_dedendum: Annotated[float, "hfm"]
+    thickness_modification_coefficient: Annotated[float, "xsm"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MemberBlank(MemberFrame):
+    """Blank of one member [mm, rad]; each field with its symbol in ISO 23509, without the member's digit.
 
     ``outer`` is the heel, ``inner`` the toe, ``mean`` the mean point. Apexes are counted from the crossing point of the
     axes, positive beyond it, away from the teeth.
     """
 
-    number_of_teeth: int
-    pitch_angle: float
-    face_angle: float
-    root_angle: float
-    addendum_angle: float
-    dedendum_angle: float
-    pitch_apex: float  # t_z; face t_zF, root t_zR
-    face_apex: float
-    root_apex: float
-    mean_point_distance: float  # t_zm, from the crossing point along the axis
-    crown_distance: float  # t_xo, outer end of the face cone from the crossing point
-    front_crown_distance: float  # t_xi, its inner end
-    outer_cone_distance: float  # R_e, from the pitch apex along the pitch cone
-    mean_cone_distance: float
-    inner_cone_distance: float
-    face_width: float
-    outer_face_width: float  # b_e, mean point to heel
-    inner_face_width: float  # b_i, toe to mean point
-    outer_spiral_angle: float
-    mean_spiral_angle: float
-    inner_spiral_angle: float
-    outer_pitch_diameter: float
-    mean_pitch_diameter: float
-    inner_pitch_diameter: float
-    outer_tip_diameter: float
-    inner_tip_diameter: float
-    outer_root_diameter: float
-    inner_root_diameter: float
-    outer_addendum: float
-    mean_addendum: float
-    inner_addendum: float
-    outer_dedendum: float
-    mean_dedendum: float
-    inner_dedendum: float
-    outer_whole_depth: float
-    inner_whole_depth: float
-    thickness_modification_coefficient: float
-    mean_normal_thickness: float  # s_mn, circular, with backlash
-    mean_transverse_thickness: float
-    mean_normal_diameter: float  # d_mn, of the virtual cylinder in the normal section
-    mean_normal_chordal_thickness: float
-    mean_chordal_addendum: float
+    addendum_angle: Annotated[float, "theta_a"]
+    dedendum_angle: Annotated[float, "theta_f"]
+    pitch_apex: Annotated[float, "tz"]
+    crown_distance: Annotated[float, "txo"]  # outer end of the face cone from the crossing point
+    front_crown_distance: Annotated[float, "txi"]  # its inner end
+    outer_cone_distance: Annotated[float, "Re"]  # from the pitch apex along the pitch cone
+    inner_cone_distance: Annotated[float, "Ri"]
+    face_width: Annotated[float, "b"]
+    outer_pitch_diameter: Annotated[float, "de"]
+    mean_pitch_diameter: Annotated[float, "dm"]
+    inner_pitch_diameter: Annotated[float, "di"]
+    outer_tip_diameter: Annotated[float, "dae"]
+    inner_tip_diameter: Annotated[float, "dai"]
+    outer_root_diameter: Annotated[float, "dfe"]
+    inner_root_diameter: Annotated[float, "dfi"]
+    outer_addendum: Annotated[float, "hae"]
+    inner_addendum: Annotated[float, "hai"]
+    outer_dedendum: Annotated[float, "hfe"]
+    inner_dedendum: Annotated[float, "hfi"]
+    outer_whole_depth: Annotated[float, "he"]
+    inner_whole_depth: Annotated[float, "hi"]
+    mean_normal_thickness: Annotated[float, "smn"]  # circular, with backlash
+    mean_transverse_thickness: Annotated[float, "smt"]
+    mean_normal_diameter: Annotated[float, "dmn"]  # of the virtual cylinder in the normal section
+    mean_normal_chordal_thickness: Annotated[float, "smnc"]
+    mean_chordal_addendum: Annotated[float, "hamc"]
+
+    @property
+    def mean_point(self) -> tuple[float, float]:
+        """Axial and radial coordinate of the mean point [mm]."""
+        sine, cosine = math.sin(self.pitch_angle), math.cos(self.pitch_angle)
+        return self.mean_cone_distance * cosine - self.pitch_apex, self.mean_cone_distance * sine
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,75 +139,56 @@ class BlankDimensions:
 
     pinion: MemberBlank
     gear: MemberBlank
-    shaft_angle: float
-    hypoid_offset: float
-    gear_ratio: float
-    axial_offset_angle: float
-    offset_angle: float
-    root_offset_angle: float
-    face_offset_angle: float
-    pitch_plane_offset: float
-    mean_normal_module: float
-    outer_transverse_module: float
-    limit_pressure_angle: float
-    generated_drive_pressure_angle: float
-    generated_coast_pressure_angle: float
-    effective_drive_pressure_angle: float
-    effective_coast_pressure_angle: float
-    mean_normal_pressure_angle: float
-    limit_radius_of_curvature: float
-    tooth_line_radius_of_curvature: float
-    face_width_factor: float
-    mean_working_depth: float
-    clearance: float
-    mean_whole_depth: float
-    pinion_whole_depth: float
-    pinion_width_in_pitch_plane: float
-    pinion_inner_width_in_pitch_plane: float
-    pinion_outer_gear_cone_distance: float
-    pinion_inner_gear_cone_distance: float
-    pinion_outer_gear_spiral_angle: float
-    pinion_inner_gear_spiral_angle: float
-    cutter_lead_angle: float
-    crown_centre_distance: float
-    crown_base_radius: float
-    pinion_width_axial_angle: float
-    pinion_face_contact_width: float
-    profile_shift_coefficient: float
-    theoretical_thickness_modification_coefficient: float
+    shaft_angle: Annotated[float, "Sigma"]
+    hypoid_offset: Annotated[float, "a"]
+    gear_ratio: Annotated[float, "u"]
+    axial_offset_angle: Annotated[float, "zeta_m"]
+    offset_angle: Annotated[float, "zeta_mp"]
+    root_offset_angle: Annotated[float, "zeta_R"]
+    face_offset_angle: Annotated[float, "zeta_o"]
+    pitch_plane_offset: Annotated[float, "ap"]
+    mean_normal_module: Annotated[float, "m_mn"]
+    outer_transverse_module: Annotated[float, "met2"]
+    limit_pressure_angle: Annotated[float, "alpha_lim"]
+    generated_drive_pressure_angle: Annotated[float, "alpha_nD"]
+    generated_coast_pressure_angle: Annotated[float, "alpha_nC"]
+    effective_drive_pressure_angle: Annotated[float, "alpha_eD"]
+    effective_coast_pressure_angle: Annotated[float, "alpha_eC"]
+    mean_normal_pressure_angle: Annotated[float, "alpha_n"]
+    limit_radius_of_curvature: Annotated[float, "rho_lim"]
+    tooth_line_radius_of_curvature: Annotated[float, "rho_mbeta"]
+    face_width_factor: Annotated[float, "c_be2"]
+    mean_working_depth: Annotated[float, "hmw"]
+    clearance: Annotated[float, "c"]
+    mean_whole_depth: Annotated[float, "hm"]
+    pinion_whole_depth: Annotated[float, "ht1"]
+    pinion_width_in_pitch_plane: Annotated[float, "bp1"]
+    pinion_inner_width_in_pitch_plane: Annotated[float, "b1A"]
+    pinion_outer_gear_cone_distance: Annotated[float, "Re21"]
+    pinion_inner_gear_cone_distance: Annotated[float, "Ri21"]
+    pinion_outer_gear_spiral_angle: Annotated[float, "beta_e21"]
+    pinion_inner_gear_spiral_angle: Annotated[float, "beta_i21"]
+    cutter_lead_angle: Annotated[float, "nu"]
+    crown_centre_distance: Annotated[float, "rho_P0"]
+    crown_base_radius: Annotated[float, "rho_b"]
+    pinion_width_axial_angle: Annotated[float, "lambda_p"]
+    pinion_face_contact_width: Annotated[float, "b_reri1"]
+    profile_shift_coefficient: Annotated[float, "x_hm1"]
+    theoretical_thickness_modification_coefficient: Annotated[float, "x_smn"]
 
 
-@dataclass(frozen=True, kw_only=True)
-class MemberFrame:
-    """Data that one member's dimensions follow from [mm, rad]."""
-
-    number_of_teeth: int
-    pitch_angle: float
-    mean_cone_distance: float
-    mean_point_distance: float
-    outer_width: float
-    inner_width: float
-    face_angle: float
-    root_angle: float
-    face_apex: float
-    root_apex: float
-    addendum: float
-    dedendum: float
-    spiral_angles: tuple[float, float, float]  # at heel, mean point and toe
-    profile_shift_coefficient: float  # positive: thicker tooth
-    thickness_modification_coefficient: float
-
-
-def member_blank(frame: MemberFrame, module: float, normal_pressure_angle: float) -> MemberBlank:
-    """Dimensions of one member [mm, rad] (ISO 23509:2016, 195 to 200, 206, 211 to 225)."""
+def member_blank(
+    frame: MemberFrame, module: float, normal_pressure_angle: float, profile_shift_coefficient: float
+) -> MemberBlank:
+    """Dimensions of one member [mm, rad] (ISO 23509:2016, 195 to 200, 206, 211 to 225); a positive shift thickens."""
     sine, cosine = math.sin(frame.pitch_angle), math.cos(frame.pitch_angle)
     above, below = frame.face_angle - frame.pitch_angle, frame.pitch_angle - frame.root_angle
-    outer_addendum = frame.addendum + frame.outer_width * math.tan(above)
-    inner_addendum = frame.addendum - frame.inner_width * math.tan(above)
-    outer_dedendum = frame.dedendum + frame.outer_width * math.tan(below)
-    inner_dedendum = frame.dedendum - frame.inner_width * math.tan(below)
-    outer_distance = frame.mean_cone_distance + frame.outer_width
-    inner_distance = frame.mean_cone_distance - frame.inner_width
+    outer_addendum = frame.mean_addendum + frame.outer_face_width * math.tan(above)
+    inner_addendum = frame.mean_addendum - frame.inner_face_width * math.tan(above)
+    outer_dedendum = frame.mean_dedendum + frame.outer_face_width * math.tan(below)
+    inner_dedendum = frame.mean_dedendum - frame.inner_face_width * math.tan(below)
+    outer_distance = frame.mean_cone_distance + frame.outer_face_width
+    inner_distance = frame.mean_cone_distance - frame.inner_face_width
     if min(inner_distance, inner_addendum + inner_dedendum, outer_addendum + outer_dedendum) <= 0.0:
         raise GeometryError(
             f"member with {frame.number_of_teeth} teeth: nothing is left of the tooth at one end; reduce "
@@ -210,9 +196,8 @@ def member_blank(frame: MemberFrame, module: float, normal_pressure_angle: float
         )
     mean_diameter = 2.0 * frame.mean_cone_distance * sine
     outer_diameter, inner_diameter = 2.0 * outer_distance * sine, 2.0 * inner_distance * sine
-
-    spiral = frame.spiral_angles[1]
-    shift = frame.profile_shift_coefficient * math.tan(normal_pressure_angle)
+    spiral = frame.mean_spiral_angle
+    shift = profile_shift_coefficient * math.tan(normal_pressure_angle)
     thickness = module * (math.pi / 2.0 + 2.0 * (frame.thickness_modification_coefficient + shift))
     if not thickness > 0.0:
         raise GeometryError(
@@ -222,27 +207,15 @@ def member_blank(frame: MemberFrame, module: float, normal_pressure_angle: float
     normal_diameter = mean_diameter / (cosine * (1.0 - (math.sin(spiral) * math.cos(normal_pressure_angle)) ** 2))
     half_angle = thickness / normal_diameter
     return MemberBlank(
-        number_of_teeth=frame.number_of_teeth,
-        pitch_angle=frame.pitch_angle,
-        face_angle=frame.face_angle,
-        root_angle=frame.root_angle,
+        **vars(frame),
         addendum_angle=above,
         dedendum_angle=below,
         pitch_apex=frame.mean_cone_distance * cosine - frame.mean_point_distance,
-        face_apex=frame.face_apex,
-        root_apex=frame.root_apex,
-        mean_point_distance=frame.mean_point_distance,
-        crown_distance=frame.mean_point_distance + frame.outer_width * cosine - outer_addendum * sine,
-        front_crown_distance=frame.mean_point_distance - frame.inner_width * cosine - inner_addendum * sine,
+        crown_distance=frame.mean_point_distance + frame.outer_face_width * cosine - outer_addendum * sine,
+        front_crown_distance=frame.mean_point_distance - frame.inner_face_width * cosine - inner_addendum * sine,
         outer_cone_distance=outer_distance,
-        mean_cone_distance=frame.mean_cone_distance,
         inner_cone_distance=inner_distance,
-        face_width=frame.outer_width + frame.inner_width,
-        outer_face_width=frame.outer_width,
-        inner_face_width=frame.inner_width,
-        outer_spiral_angle=frame.spiral_angles[0],
-        mean_spiral_angle=spiral,
-        inner_spiral_angle=frame.spiral_angles[2],
+        face_width=frame.outer_face_width + frame.inner_face_width,
         outer_pitch_diameter=outer_diameter,
         mean_pitch_diameter=mean_diameter,
         inner_pitch_diameter=inner_diameter,
@@ -251,82 +224,14 @@ def member_blank(frame: MemberFrame, module: float, normal_pressure_angle: float
         outer_root_diameter=outer_diameter - 2.0 * outer_dedendum * cosine,
         inner_root_diameter=inner_diameter - 2.0 * inner_dedendum * cosine,
         outer_addendum=outer_addendum,
-        mean_addendum=frame.addendum,
         inner_addendum=inner_addendum,
         outer_dedendum=outer_dedendum,
-        mean_dedendum=frame.dedendum,
         inner_dedendum=inner_dedendum,
         outer_whole_depth=outer_addendum + outer_dedendum,
         inner_whole_depth=inner_addendum + inner_dedendum,
-        thickness_modification_coefficient=frame.thickness_modification_coefficient,
         mean_normal_thickness=thickness,
         mean_transverse_thickness=thickness / math.cos(spiral),
         mean_normal_diameter=normal_diameter,
         mean_normal_chordal_thickness=normal_diameter * math.sin(half_angle),
-        mean_chordal_addendum=frame.addendum + 0.5 * normal_diameter * cosine * (1.0 - math.cos(half_angle)),
+        mean_chordal_addendum=frame.mean_addendum + 0.5 * normal_diameter * cosine * (1.0 - math.cos(half_angle)),
     )
-
-
-def standard_sum_of_dedendum_angles(
-    pinion_mean_dedendum: float, gear_mean_dedendum: float, gear_mean_cone_distance: float
-) -> float:
-    """Sum of both dedendum angles with standard taper [rad] (ISO 23509:2016, C.3)."""
-    return math.atan(pinion_mean_dedendum / gear_mean_cone_distance) + math.atan(
-        gear_mean_dedendum / gear_mean_cone_distance
-    )
-
-
-def constant_slot_width_sum_of_dedendum_angles(
-    *,
-    outer_transverse_module: float,
-    gear_outer_cone_distance: float,
-    gear_mean_cone_distance: float,
-    mean_normal_pressure_angle: float,
-    gear_mean_spiral_angle: float,
-    cutter_radius: float,
-) -> float:
-    """Sum of both dedendum angles with constant slot width [rad] (ISO 23509:2016, C.5)."""
-    opening = 1.0 - gear_mean_cone_distance * math.sin(gear_mean_spiral_angle) / cutter_radius
-    if opening < 0.0:
-        raise GeometryError(
-            f"cutter_radius = {cutter_radius:g} mm: too small for this depth_taper, must be at least "
-            f"{gear_mean_cone_distance * math.sin(gear_mean_spiral_angle):g} mm"
-        )
-    width = gear_outer_cone_distance * math.tan(mean_normal_pressure_angle) * math.cos(gear_mean_spiral_angle)
-    return math.pi / 2 * outer_transverse_module / width * opening
-
-
-def gear_taper_angles(
-    taper: DepthTaper,
-    *,
-    pinion_mean_dedendum: float,
-    gear_mean_dedendum: float,
-    gear_mean_addendum: float,
-    mean_working_depth: float,
-    outer_transverse_module: float,
-    gear_outer_cone_distance: float,
-    gear_mean_cone_distance: float,
-    mean_normal_pressure_angle: float,
-    gear_mean_spiral_angle: float,
-    cutter_radius: float,
-) -> tuple[float, float]:
-    """Addendum and dedendum angle of the gear [rad] for a kind of taper (ISO 23509:2016, C.6 to C.11)."""
-    if taper == "uniform":
-        return 0.0, 0.0
-    standard = standard_sum_of_dedendum_angles(pinion_mean_dedendum, gear_mean_dedendum, gear_mean_cone_distance)
-    if taper == "standard":
-        # the gear's face cone follows the pinion's root cone
-        addendum_angle = math.atan(pinion_mean_dedendum / gear_mean_cone_distance)
-        return addendum_angle, standard - addendum_angle
-    total = constant_slot_width_sum_of_dedendum_angles(
-        outer_transverse_module=outer_transverse_module,
-        gear_outer_cone_distance=gear_outer_cone_distance,
-        gear_mean_cone_distance=gear_mean_cone_distance,
-        mean_normal_pressure_angle=mean_normal_pressure_angle,
-        gear_mean_spiral_angle=gear_mean_spiral_angle,
-        cutter_radius=cutter_radius,
-    )
-    if taper == "modified_slot_width":
-        total = min(total, 1.3 * standard)
-    addendum_angle = total * gear_mean_addendum / mean_working_depth
-    return addendum_angle, total - addendum_angle

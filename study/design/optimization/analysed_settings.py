@@ -21,7 +21,7 @@ from ....cases.deflections import SYMBOLS, Deflections, with_errors
 from ....cases.schema.case_schema import Case
 from ....core.attributes import ordered
 from ....core.errors import EaseoffError, GeometryError, InputError, suggestion
-from ....geometry.design.root_line import RootLine
+from ....geometry.design.synthesis import RootLine
 from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName, GearPair, Member
 from ....geometry.pair.near_pair import PairSetting, is_angle

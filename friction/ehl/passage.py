@@ -9,12 +9,16 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from ...core import checks
-from ...core.checks import frozen_arrays
+from ...core.arrays import RealArray as Array
+from ...core.attributes import labelled
+from ...core.checks import frozen_arrays, instance
 from ...core.errors import InputError
 from ...core.memory import require_memory
 from .asperities import Profile, smooth
@@ -23,7 +27,6 @@ from .hierarchical_matrix import Deflection
 from .lubricated_contact import LubricatedContact
 from .reynolds_equation import (
     ROUGH,
-    Array,
     History,
     Outcome,
     Point,
@@ -234,7 +237,9 @@ def rough_passage(
             status[at], iterations[at] = judge(outcome.converged, certificate), outcome.iterations
             records["violation"][at], records["leak"][at] = certificate.worst, march.leak
             if status[at] == Status.CERTIFIED:
-                _record(records, at, start.position, problem, outcome, boundary_friction, thermal)
+                values = _record(start.position, problem, outcome, boundary_friction, thermal)
+                for quantity, number in values.items():
+                    records[quantity][at] = number
                 if keep and step % keep == 0:
                     row = step // keep - 1
                     pressure[row] = contact.hertz_pressure * outcome.pressure
@@ -268,30 +273,23 @@ _RECORDED = (
 
 
 def _record(
-    records: dict[str, Array],
-    at: int,
-    position: Array,
-    problem: Problem,
-    outcome: Outcome,
-    boundary_friction: float,
-    thermal: bool,
-) -> None:
+    position: Array, problem: Problem, outcome: Outcome, boundary_friction: float, thermal: bool
+) -> dict[str, float]:
+    """Friction and film of one certified step."""
     contact, point = problem.contact, outcome.point
     pressure, film = contact.hertz_pressure * outcome.pressure, contact.film_scale * point.film
     part, _ = fluid_part(point.film, problem.touching_film)
     shear = traction(
-        contact,
-        position,
-        pressure,
-        film,
-        fluid_part=part,
-        boundary_friction=boundary_friction,
-        thermal=thermal,
+        contact, position, pressure, film, fluid_part=part, boundary_friction=boundary_friction, thermal=thermal
     )
     within = np.abs(position) < contact.half_width
-    records["film_friction"][at], records["asperity_friction"][at] = shear.film, shear.asperities
-    records["asperity_share"][at] = float(((1.0 - part) * pressure).sum() / pressure.sum())
-    records["minimum_film"][at], records["mean_film"][at] = film[within].min(), film[within].mean()
+    return {
+        "film_friction": shear.film,
+        "asperity_friction": shear.asperities,
+        "asperity_share": float(((1.0 - part) * pressure).sum() / pressure.sum()),
+        "minimum_film": film[within].min(),
+        "mean_film": film[within].mean(),
+    }
 
 
 class _March:
@@ -357,3 +355,41 @@ class _March:
         pressure = self.contact.hertz_pressure * np.maximum(point.pressure, 0.0)
         density, _ = self.contact.oil.relative_density(pressure)
         return np.asarray(density * np.maximum(point.film, thinnest))
+
+
+def passage_dataset(passage: RoughPassage) -> xr.Dataset:
+    """Friction, film and status of a passage by time step, and the fields that were kept.
+
+    Returns
+    -------
+    xarray.Dataset
+        Dimensions ``time`` [us], and ``kept_time`` and ``rolling_position`` [um] of the fields.
+
+    Examples
+    --------
+    >>> from easeoff.friction.ehl import LubricatedContact, Oil, generated_profile, rough_passage
+    >>> contact = LubricatedContact(1e9, 0.02, 5.0, Oil(0.02, 1.1e-8), slide_to_roll=0.25)
+    >>> profile = generated_profile(0.1e-6, 40e-6, 1e-3, seed=1)
+    >>> passage = rough_passage(contact, profile, steps=40, nodes=65, settle=30, keep=20)
+    >>> dict(passage_dataset(passage).sizes)
+    {'time': 40, 'kept_time': 2, 'rolling_position': 65}
+    """
+    instance("passage", passage, RoughPassage)
+    time = 1e6 * passage.time
+    data: dict[str, Any] = {
+        "status": ("time", passage.status, Status.flag_attributes()),
+        "settled": ("time", passage.settled.astype(np.int8)),
+        "iterations": ("time", passage.iterations),
+        "worst_residual": ("time", passage.violation),
+        "leak": ("time", passage.leak),
+        "film_friction": ("time", passage.film_friction),
+        "asperity_friction": ("time", passage.asperity_friction),
+        "asperity_share": ("time", passage.asperity_share),
+        "minimum_film": ("time", 1e6 * passage.minimum_film),
+        "mean_film": ("time", 1e6 * passage.mean_film),
+        "film_pressure": (("kept_time", "rolling_position"), 1e-6 * passage.pressure),
+        "film": (("kept_time", "rolling_position"), 1e6 * passage.film),
+        "node_state": (("kept_time", "rolling_position"), passage.state, State.flag_attributes()),
+    }
+    coords = {"time": time, "kept_time": time[passage.kept - 1], "rolling_position": 1e6 * passage.position}
+    return labelled(xr.Dataset(data, coords=coords))
