@@ -6,7 +6,6 @@ Dimensions that a case implies: what a gear's data sheet lists, measured on its 
 from __future__ import annotations
 
 import math
-import re
 from typing import Any
 
 import numpy as np
@@ -24,10 +23,10 @@ from ...geometry.pair.gear_pair import MEMBERS, GearPair, thickness_per_angle
 from ...geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
 from ...geometry.tooth.tooth_flanks import named_member, placed_flanks, tooth_angle
 from ..analysis.key_numbers import key_numbers
-from ..summary.deflection_report import misalignment_over_torque
-from ..summary.load_case_summary import duty_lines, input_columns, load_case_notes, result_columns, variable_of
+from ..summary.deflection_report import mean_misalignment
+from ..summary.load_case_summary import duty_lines, load_case_notes, load_case_tables
 from ..summary.result_summary import end_name
-from ..summary.supports_report import supports_tables
+from ..summary.table import NO_VALUE, with_signs
 
 Array = NDArray[Any]
 SIDES = ("concave", "convex")
@@ -134,7 +133,6 @@ def _cutters(case: Case, name: str) -> dict[str, float]:
     return {"cutter_radius": 0.5 * sum(radii), "point_width": radii[0] - radii[1]}
 
 
-NO_VALUE = "–"
 ROW_COUNT_LIMIT = 60  # of the table of efficiencies
 
 #: Numbers over torque: name, unit, variable (of ``key_numbers``), group it comes from, factor and format.
@@ -270,11 +268,10 @@ def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict
 
 def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
     """Rows torque, E, P, G [mm] and Sigma [°] as means over the mesh cycle; none if they are alike at all torques."""
-    course = misalignment_over_torque(tree)
+    course = mean_misalignment(tree)
     if course is None:
         return []
-    scale = np.array([1.0, 1.0, 1.0, math.degrees(1.0)])
-    rows = zip(course[0].tolist(), (scale * course[1].mean(axis=1)).tolist(), strict=True)
+    rows = zip(course[0].tolist(), course[1].tolist(), strict=True)
     return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
 
 
@@ -360,41 +357,12 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
     return {"heads": heads, "variables": variables, "rows": rows, "left": math.prod(shape) - len(rows)}
 
 
-def supports_rows(tree: xr.DataTree) -> list[dict[str, Any]]:
-    """Tables of a pair on supports: heads, rows and variables."""
-    return [
-        {
-            "title": table.title,
-            "heads": [_headed(head) for head in table.heads],
-            "rows": [[NO_VALUE if cell == "-" else cell for cell in row] for row in table.rows],
-            "variables": list(table.variables),
-        }
-        for table in supports_tables(tree)
-    ]
-
-
 def load_case_rows(tree: xr.DataTree) -> dict[str, Any]:
     """Tables of an analysis over load cases, means over the duty cycle, and notes."""
-    numbers = tree["load_cases"].to_dataset()
-    tables = []
-    for columns in (input_columns(numbers), result_columns(numbers)):
-        rows = [[NO_VALUE if cell == "-" else cell for cell in row] for row in zip(*columns.values(), strict=True)]
-        variables = [f"load_cases/{variable_of(head)}" for head in columns]
-        tables.append({"heads": [_headed(head) for head in columns], "rows": rows, "variables": variables})
+    tables = [table.page() for table in load_case_tables(tree["load_cases"].to_dataset())]
     duty = duty_lines(tree["duty"].to_dataset()).splitlines() if "duty" in tree.children else []
     notes = [with_signs(printable(note)) for note in load_case_notes(tree)]
     return {"tables": tables, "duty": duty, "notes": notes}
-
-
-def with_signs(text: str) -> str:
-    """Text with the signs of its units, which terminals may lack."""
-    return text.replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
-
-
-def _headed(head: str) -> str:
-    """Head of a column in one line, with the unit in brackets and its signs."""
-    words = head.replace("\n", " ").replace("urad", "µrad").replace("deg", "°")
-    return re.sub(r" (N m|mm|%|µrad|°|MPa|W|1/min)$", r" [\1]", words)
 
 
 def case_tables(case: Case) -> list[dict[str, Any]]:
