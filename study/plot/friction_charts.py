@@ -48,6 +48,7 @@ from .page import (
     WIDTH,
     evenly_chosen,
     in_print,
+    label_axes,
     legend_of_curves,
     plain_axes,
     plain_bar,
@@ -300,11 +301,10 @@ def curves(
             out = friction["extrapolated_share"].isel(fixed).transpose(by, along).values[index][order] >= TOLD_SHARE
         axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
         axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
-    plain_axes(axes)
+    plain_axes(axes, AXES[along])
     low, high = axes.get_ylim()
     more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))
     axes.set_ylim(low - more, high + more)
-    axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
     if along == "roughness":
         name_pairs(axes, quantity)
     legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, efficiency.sizes[by], by))
@@ -320,7 +320,7 @@ def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
     if values.size <= ROUGHNESS_TICK_LIMIT and np.all(np.diff(values) > TICK_DISTANCE * np.ptp(values)):
         axes.set_xticks(values, names)
         label = "RMS roughness, pinion/gear where they differ [µm]"
-    axes.set_xlabel(label, fontsize=SMALL_SIZE + 1, color=INK)
+    label_axes(axes, label)
 
 
 def value_name(quantity: xr.DataArray | xr.Dataset, condition: str, index: int) -> str:
@@ -344,10 +344,8 @@ def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float], *, on
     for index, colour in zip(chosen, shades, strict=True):
         times, values = two_cycles(loss[index])
         axes.plot(times, values, color=colour, linewidth=1.6, label=f"{torques[index]:.4g} N m")
-    plain_axes(axes)
     axes.set_xlim(0, 2)
-    axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
-    axes.set_ylabel("power loss over input power [%]", fontsize=SMALL_SIZE + 1, color=INK)
+    plain_axes(axes, "mesh cycles (pinion pitches)", "power loss over input power [%]")
     legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, torques.size, "torque"))
 
 
@@ -370,7 +368,7 @@ def draw_efficiency(tree: xr.DataTree, parts: str | Sequence[str] | None = None,
             continue
         by = COMPANION[name]
         curves(axes, friction, name, by, at, on_page=subplots.on_page)
-        axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
+        label_axes(axes, y="efficiency [%]")
         title(axes, friction, at, (name, by))
     return subplots.figure
 

@@ -155,13 +155,34 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     return [teeth, flanks.get(name, name), misaligned, supports, *departed, model, f"easeoff {version}".strip()]
 
 
-def plain_axes(axes: Axes) -> None:
-    """Style axes: two thin spines, small ticks and a faint grid."""
+def plain_axes(axes: Axes, x: str = "", y: str = "", title: str = "") -> None:
+    """Style axes: two thin spines, small ticks and a faint grid; with labels and a title if they are given."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(GREY)
     axes.tick_params(labelsize=SMALL_SIZE + 0.5, colors=INK, length=3, width=0.6)
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
     axes.set_axisbelow(True)
+    label_axes(axes, x, y, title)
+
+
+def label_axes(axes: Axes, x: str = "", y: str = "", title: str = "") -> None:
+    """Labels and title of axes, as far as they are given."""
+    if title:
+        axes.set_title(title, loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+    for set_label, text in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
+        if text:
+            set_label(text, fontsize=SMALL_SIZE + 1, color=INK)
+
+
+def panel_titles(axes: Axes, name: str, said: str = "") -> None:
+    """Name of a panel on the left above it, and what is said of it on the right."""
+    axes.set_title(name, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
+    axes.set_title(said, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+
+
+def plain_legend(axes: Axes) -> None:
+    """Legend without a frame, where there is most room."""
+    axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
 
 
 def plain_bar(bar: Colorbar, label: str) -> None:
