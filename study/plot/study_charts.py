@@ -32,6 +32,7 @@ from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
 from ..result_layout import PATTERN
 from ..summary.deflection_report import misalignment_over_torque
+from ..summary.quantities import TITLES
 from ..summary.sweep_report import outcome
 from ..sweep.reductions import LOADS, ROWS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
 from .page import (
@@ -56,15 +57,11 @@ from .page import (
 from .panel_grid import OwnAxes, chosen_parts, panels
 
 Array = NDArray[Any]
-#: Numbers that are drawn, where a sweep has them, with their names.
-DRAWN = {
-    "peak_to_peak": "transmission error, peak to peak [µrad]",
-    "max_pressure": "greatest pressure [MPa]",
-    "contact_ratio": "contact ratio under load",
-    "pattern_centre_lengthwise": "centre of the pattern, toe 0 to heel 1",
-    "max_root_stress": "greatest root stress [MPa]",
-    "efficiency": "efficiency",
-}
+#: Numbers that are drawn, where a sweep has them.
+DRAWN = (
+    *("peak_to_peak", "max_pressure", "contact_ratio"),
+    *("pattern_centre_lengthwise", "max_root_stress", "efficiency"),
+)
 #: Names of the pictures of a sweep; which there are depends on what is swept.
 PICTURES = ("sweep_map", "sweep_curves", "sweep_pattern", "sweep_histograms", "sweep_tornado")
 PANEL_LIMIT = 4
@@ -211,7 +208,7 @@ def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, own: OwnAxe
         axes.plot(
             x[known[1]], y[known[0]], "o", color="white", markersize=2.5, markeredgecolor=INK, markeredgewidth=0.4
         )
-        _finish(axes, DRAWN[name], _label(dataset, along), _label(dataset, up))
+        _finish(axes, TITLES[name], _label(dataset, along), _label(dataset, up))
         axes.grid(False)
         for axis, at in ((axes.xaxis, x), (axes.yaxis, y)):
             axis.set_major_locator(FixedLocator(at.tolist()) if at.size <= TICK_LIMIT else MaxNLocator(5))
@@ -236,7 +233,7 @@ def _curves(dataset: xr.Dataset, names: list[str], along: str, own: OwnAxes) -> 
             label = torque_name(float(dataset[by].values[index])) if by else None
             line = {"color": colour, "linewidth": 1.6, "marker": "o", "markersize": 2.5}
             axes.plot(dataset[along].values[order], lines[:, index], label=label, **line)
-        _finish(axes, DRAWN[name], _label(dataset, along))
+        _finish(axes, TITLES[name], _label(dataset, along))
     if by:
         plain_legend(grid[0])
     return figure
@@ -311,7 +308,7 @@ def _histograms(dataset: xr.Dataset, names: list[str], own: OwnAxes) -> Figure:
             for percent, value in zip(PERCENT, np.percentile(known, PERCENT), strict=True):
                 style = "-" if percent == 50.0 else ":"
                 axes.axvline(value, color=colour, linewidth=1.1, linestyle=style)
-        _finish(axes, DRAWN[name], y="samples")
+        _finish(axes, TITLES[name], y="samples")
     if "torque" in dataset.dims:
         plain_legend(grid[0])
     return figure
@@ -351,7 +348,7 @@ def _tornado(dataset: xr.Dataset, names: list[str], own: OwnAxes) -> Figure:
         widest = 1.1 * float(np.nanmax(np.abs(effect), initial=0.0)) or 1.0
         axes.set_xlim(-widest, widest)
         axes.axvline(0.0, color=GREY, linewidth=0.8)
-        _finish(axes, f"change of {DRAWN[name]}")
+        _finish(axes, f"change of {TITLES[name]}")
     if own is None:
         legend_at_foot(figure, grid[0].get_legend_handles_labels()[0], 0.28)
     return figure
@@ -461,11 +458,7 @@ def draw_front(tree: xr.DataTree, others: Mapping[str, Array], own: OwnAxes = No
 
 
 DEPTH_MAP = "YlOrBr"
-OVER_TIME = {
-    "largest_depth": "largest wear depth [µm]",
-    "peak_to_peak": "transmission error, peak to peak [µrad]",
-    "max_pressure": "greatest pressure [MPa]",
-}
+OVER_TIME = ("largest_depth", "peak_to_peak", "max_pressure")
 WEAR_PARTS = (*MEMBERS, *OVER_TIME)
 
 
@@ -508,7 +501,7 @@ def _draw_history(axes: Axes, history: xr.Dataset, name: str) -> None:
             label = torque_name(float(torques[index]))
             axes.plot(over, history[name].isel(torque=index), "o-", color=colour, markersize=3, label=label)
     axes.set_xlim(left=0.0)
-    plain_axes(axes, "revolutions of the pinion", title=OVER_TIME[name])
+    plain_axes(axes, "revolutions of the pinion", title=TITLES[name])
     plain_legend(axes)
 
 

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import fit
 from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
+from ..summary.quantities import TITLES
 from .contact_pattern_chart import number_lines, outlined
 from .page import (
     BLUE,
@@ -146,13 +147,7 @@ def _draw_scale(axes: Axes, scale: float, largest: float) -> None:
 CHANGE_MAP = "RdBu_r"  # red where the gap grows
 LEVEL_COUNT = 12
 SPAN_MINIMUM = 0.2  # [um]
-COMPARED = {
-    "max_line_load": "greatest line load [N/mm]",
-    "max_pressure": "greatest pressure [MPa]",
-    "max_end_load": "greatest line load at the edges [N/mm]",
-    "peak_to_peak": "transmission error, peak to peak [µrad]",
-}
-CHANGE_PARTS = ("surface", *COMPARED)
+CHANGE_PARTS = ("surface", "max_line_load", "max_pressure", "max_end_load", "peak_to_peak")
 
 
 def draw_deviations(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> Figure:
@@ -178,7 +173,7 @@ def draw_optimization(
         if name == "surface":
             draw_change(axes, view, tree["modification"].to_dataset()["modification"], "addition to the ease-off [µm]")
         else:
-            _draw_stages(axes, record[name].max("assembly"), COMPARED[name])
+            _draw_stages(axes, record[name].max("assembly"), TITLES[name])
     return subplots.figure
 
 

@@ -31,9 +31,9 @@ from ..plot.pattern_lines import contact_pattern
 from ..plot.tooth_view import ToothView, fine_grid
 from ..result_layout import GRID
 from ..summary.correction_report import assembly_rows, assembly_title, terms
+from ..summary.quantities import written
 from .cycle_charts import chart
 from .packed_array import packed, packed_exactly
-from .report_tables import written
 
 Array = NDArray[Any]
 
