@@ -34,7 +34,8 @@ from easeoff.study import key_numbers
 from easeoff.study.analysis.swept_quantity import swept_quantity
 from easeoff.study.plot import page, written_pictures
 from easeoff.study.plot.page import small_print
-from easeoff.study.summary.sweep_report import SweepTable, _per
+from easeoff.study.summary.sweep_report import _per
+from easeoff.study.summary.table import Table
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, worst_points
 from easeoff.study.sweep.axis import Distribution, Sampler, sample_values
 from easeoff.study.sweep.sweep_file import PointStatus, checked_sweep, write_sweep
@@ -385,7 +386,7 @@ def test_slopes_have_the_quotient_of_the_units(units: str, unit: str, slope: str
 
 
 def test_numbers_of_a_table_end_under_the_end_of_its_heads() -> None:
-    assert SweepTable("Points", ["E"], [["0.1"]], 0).text().splitlines() == ["Points", "", "  E", "---", "0.1"]
+    assert Table(["E"], [["0.1"]], 0, "Points").text().splitlines() == ["Points", "", "  E", "---", "0.1"]
 
 
 def test_command_sweeps_shows_and_keeps_the_worst(case: str, tmp_path: Path) -> None:

@@ -2,14 +2,11 @@
 
 Key numbers of a result as tables of pandas, in the units in which people read them.
 
-Tables and texts in HTML, without a style of their own, for a notebook.
-
 Short summary of a result as HTML, for a notebook.
 """
 
 from __future__ import annotations
 
-import html
 import inspect
 import math
 import os
@@ -24,15 +21,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ...core.errors import InputError, printable, suggestion
+from ...core.errors import InputError, suggestion
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import key_numbers
-from ..report.report_tables import loaded_numbers, misalignment_rows, supports_rows
+from ..report.report_tables import loaded_numbers, misalignment_rows
 from ..result_layout import VARIABLES, faults, load_case_faults
-from ..summary.deflection_report import misalignment_over_torque
-from ..summary.load_case_summary import input_columns, load_case_notes, result_columns
+from ..summary.deflection_report import ERRORS, mean_misalignment
+from ..summary.load_case_summary import load_case_notes, load_case_tables
 from ..summary.result_summary import CLAMPED_NOTE, ROUGH_NOTE, head_rows, is_rough, result_notes, unloaded_rows
-from ..summary.supports_report import SHARES, bearing_loads
+from ..summary.supports_report import SHARES, bearing_loads, supports_tables
+from ..summary.table import html_table, html_text
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -318,14 +316,11 @@ def _misalignment(tree: xr.DataTree) -> pd.DataFrame | None:
     """E, P, G and Sigma over the torque; ``None`` if they do not depend on it."""
     import pandas as pd
 
-    course = misalignment_over_torque(tree)
+    course = mean_misalignment(tree)
     if course is None:
         return None
-    means = course[1].mean(axis=1)
-    means[:, 3] = np.degrees(means[:, 3])
-    return pd.DataFrame(
-        means, index=pd.Index(course[0], name=TORQUE), columns=["E [mm]", "P [mm]", "G [mm]", "Sigma [deg]"]
-    )
+    heads = [f"{error.symbol} [{error.unit}]" for error in ERRORS]
+    return pd.DataFrame(course[1], index=pd.Index(course[0], name=TORQUE), columns=heads)
 
 
 def _supports(tree: xr.DataTree) -> pd.DataFrame | None:
@@ -378,25 +373,6 @@ def _read(name: str, variable: xr.DataArray, values: Any) -> tuple[str, Any]:
     return (f"{name} [{display_unit}]" if display_unit else name), values if factor == 1.0 else factor * values
 
 
-def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Table in HTML; the first column names the rows, others are on the right if they have heads."""
-    head = "".join(_cell("th", text, left=not at) for at, text in enumerate(heads))
-    body = ["".join(_cell("td", text, left=not (at and heads)) for at, text in enumerate(row)) for row in rows]
-    lines = "".join(f"<tr>{cells}</tr>" for cells in body)
-    return f"<table>{f'<thead><tr>{head}</tr></thead>' if heads else ''}<tbody>{lines}</tbody></table>"
-
-
-def html_text(text: object) -> str:
-    """Text for HTML with the signs of its units, which terminals may lack."""
-    words = printable(str(text)).replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
-    return html.escape(words.replace(" deg", " °"))
-
-
-def _cell(kind: str, text: str, *, left: bool) -> str:
-    """A cell: the names of rows are on the left, numbers on the right, whatever the notebook's own style."""
-    return f'<{kind} style="text-align:{"left" if left else "right"}">{html_text(text)}</{kind}>'
-
-
 TORQUE_COUNT_LIMIT = 8  # side by side
 ROW_COUNT_LIMIT = 12  # operating conditions of friction, or load cases
 #: Numbers of the loaded contact that are shown, by the variable that the report names; the rest are in the text.
@@ -419,7 +395,7 @@ SHOWN_NUMBERS = (
     "loaded/status",
 )
 
-MISALIGNMENT = ("torque [N m]", "E [mm]", "P [mm]", "G [mm]", "Sigma [°]")
+MISALIGNMENT = (TORQUE, *(f"{error.symbol} [{error.unit}]".replace("deg", "°") for error in ERRORS))
 #: Heads of the columns of friction: operating conditions, then numbers with their variable, factor and formats, the
 #: usual one, and that where much of the loss is outside the range of the friction formula.
 CONDITIONS = {"torque": "torque [N m]", "speed": "speed [1/min]", "temperature": "oil [°C]", "roughness": "Rq [µm]"}
@@ -438,10 +414,9 @@ def result_page(tree: xr.DataTree) -> str:
     parts = [f"<h4>{html_text(tree.attrs['title'])}</h4>"]
     if "load_cases" in tree.children:
         numbers = tree["load_cases"].to_dataset()
-        for columns in (input_columns(numbers), result_columns(numbers)):
-            rows = list(zip(*columns.values(), strict=True))
-            heads = [head.replace("\n", " ") for head in columns]
-            parts += [html_table(heads, rows[:ROW_COUNT_LIMIT]), _left(len(rows), "load_cases")]
+        for table in load_case_tables(numbers):
+            heads = [head.replace("\n", " ") for head in table.heads]
+            parts += [html_table(heads, table.rows[:ROW_COUNT_LIMIT]), _left(len(table.rows), "load_cases")]
         notes = load_case_notes(tree)
     else:
         parts.append(html_table([], [list(row) for row in head_rows(tree)]))
@@ -476,7 +451,7 @@ def _assembly(tree: xr.DataTree) -> list[str]:
         parts.append(
             _titled("Misalignment over the torque, mean over the mesh cycle", MISALIGNMENT, rows, "misalignment")
         )
-    for table in supports_rows(tree):
+    for table in (one.page() for one in supports_tables(tree)):
         parts.append(_titled(table["title"], table["heads"], table["rows"], "supports"))
     return parts
 

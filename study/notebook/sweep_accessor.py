@@ -28,9 +28,10 @@ from ..summary.sweep_report import (
     sweep_tables,
     sweep_title,
 )
+from ..summary.table import html_table, html_text
 from ..sweep.reductions import LOADS, numbers, percentiles, point_dimensions, sensitivities, worst_points
 from ..sweep.sweep_file import is_sweep, sweep_faults, write_sweep
-from .result_accessor import frame_over, html_table, html_text
+from .result_accessor import frame_over
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -28,7 +28,7 @@ from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.solvers import Status
 from .mesh_cycle_charts import draw_surface, pressure_levels
-from .page import BLUE, BODY_SIZE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, legend_at_foot, torque_name
+from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, legend_at_foot, panel_titles, torque_name
 from .panel_grid import OwnAxes, chosen_parts, panels
 from .pattern_lines import contact_pattern, draw_pattern, path_beyond
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
@@ -76,19 +76,19 @@ def draw(
         if "lines" in rows:
             axes, shown = rows["lines"][column], (names[-1] == "lines", left)
             draw_pattern(axes, view, pattern, labels=shown)
-            _title(axes, FLANK_NAMES[view.member], "contact lines, path of contact")
+            panel_titles(axes, FLANK_NAMES[view.member], "contact lines, path of contact")
         if "print" in rows:
             axes, shown = rows["print"][column], (names[-1] == "print", left)
             draw_flank(axes, view, labels=shown)
             if region is not None and printed is not None:
                 draw_print(axes, view, printed, region)
             said = "no unloaded contact" if region is None else size_name(region)
-            _title(axes, f"marking print, {thickness:g} µm", said if left else "")
+            panel_titles(axes, f"marking print, {thickness:g} µm", said if left else "")
         if light is not None and surface is not None and "light_load" in rows:
             axes, shown = rows["light_load"][column], (names[-1] == "light_load", left)
             draw_flank(axes, view, labels=shown)
             draw_surface(axes, view, surface, pressure_levels(surface.peak if surface.pressure.size else 1.0))
-            _title(axes, f"light load, {torque_name(float(light['torque']))}", _light(light) if left else "")
+            panel_titles(axes, f"light load, {torque_name(float(light['torque']))}", _light(light) if left else "")
     side_by_side(grid)
     if subplots.on_page:
         legend_at_foot(subplots.figure, _entries(), LEGEND_HEIGHT)
@@ -118,11 +118,6 @@ def _light(light: xr.Dataset) -> str:
     peak = float(light["max_pressure"])
     carried = f"up to {peak:.0f} MPa" if math.isfinite(peak) else "load on sharp edges alone"
     return f"length {length:.0f} %, height {height:.0f} %, {carried}"
-
-
-def _title(axes: Axes, name: str, said: str) -> None:
-    axes.set_title(name, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
-    axes.set_title(said, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
 
 
 def _entries() -> list[Any]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
 from .contact_pattern_chart import number_lines, outlined
-from .page import BODY_SIZE, GREY, INK, VERMILION, WIDTH
+from .page import GREY, INK, VERMILION, WIDTH, label_axes
 from .panel_grid import OwnAxes, panels
 from .pattern_lines import contact_pattern, draw_path, legend_below
 from .tooth_view import ToothView, draw_flank, fine_grid
@@ -63,7 +63,7 @@ def draw(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> Figure:
     if subplots.on_page:
         legend_below(axes, entries, columns=3)
     else:
-        axes.set_title("ease-off [µm]", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+        label_axes(axes, title="ease-off [µm]")
     return subplots.figure
 
 

@@ -31,6 +31,7 @@ from ...friction import FrictionModel
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...friction.operation import named_models
 from ..summary.plausibility import TOLD_SHARE, range_notes
+from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS
 from .contact_pattern_chart import (
     drop_short,
     number_lines,
@@ -48,6 +49,7 @@ from .page import (
     WIDTH,
     evenly_chosen,
     in_print,
+    label_axes,
     legend_of_curves,
     plain_axes,
     plain_bar,
@@ -78,7 +80,6 @@ QUANTITY_NAMES = {
     "flash_temperature": "flash temperature [K]",
     "pressure_velocity": "pressure × velocity [MPa m/s]",
 }
-CONDITION_UNITS = {"torque": "N m", "speed": "1/min", "temperature": "°C", "roughness": "µm"}
 GRID = (121, 61)
 LEVEL_COUNT = 7
 COLOUR_LIMIT = 0.62  # darkest part of a colour map that is used
@@ -261,13 +262,6 @@ def _given(friction: xr.Dataset, conditions: Mapping[str, float | None]) -> dict
     return condition
 
 
-AXES = {
-    "speed": "speed of the pinion [1/min]",
-    "torque": "torque at the pinion [N m]",
-    "temperature": "oil temperature [°C]",
-    "roughness": "RMS roughness [µm]",
-}
-UNITS = {"speed": "1/min", "torque": "N m", "temperature": "°C", "roughness": "µm"}
 PLURALS = {"speed": "speeds", "torque": "torques", "temperature": "temperatures", "roughness": "roughnesses"}
 COMPANION = {"speed": "torque", "torque": "speed", "roughness": "temperature", "temperature": "roughness"}
 CURVE_COUNT_LIMIT = 5
@@ -300,11 +294,10 @@ def curves(
             out = friction["extrapolated_share"].isel(fixed).transpose(by, along).values[index][order] >= TOLD_SHARE
         axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
         axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
-    plain_axes(axes)
+    plain_axes(axes, CONDITION_LABELS[along])
     low, high = axes.get_ylim()
     more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))
     axes.set_ylim(low - more, high + more)
-    axes.set_xlabel(AXES[along], fontsize=SMALL_SIZE + 1, color=INK)
     if along == "roughness":
         name_pairs(axes, quantity)
     legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, efficiency.sizes[by], by))
@@ -320,13 +313,13 @@ def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
     if values.size <= ROUGHNESS_TICK_LIMIT and np.all(np.diff(values) > TICK_DISTANCE * np.ptp(values)):
         axes.set_xticks(values, names)
         label = "RMS roughness, pinion/gear where they differ [µm]"
-    axes.set_xlabel(label, fontsize=SMALL_SIZE + 1, color=INK)
+    label_axes(axes, label)
 
 
 def value_name(quantity: xr.DataArray | xr.Dataset, condition: str, index: int) -> str:
     """Value of an operating condition with its unit."""
     value = float(quantity[condition].values[index])
-    return roughness_name(quantity, index) if condition == "roughness" else f"{value:.4g} {UNITS[condition]}"
+    return roughness_name(quantity, index) if condition == "roughness" else f"{value:.4g} {CONDITION_UNITS[condition]}"
 
 
 def how_many(drawn: int, count: int, condition: str) -> str:
@@ -344,10 +337,8 @@ def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float], *, on
     for index, colour in zip(chosen, shades, strict=True):
         times, values = two_cycles(loss[index])
         axes.plot(times, values, color=colour, linewidth=1.6, label=f"{torques[index]:.4g} N m")
-    plain_axes(axes)
     axes.set_xlim(0, 2)
-    axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
-    axes.set_ylabel("power loss over input power [%]", fontsize=SMALL_SIZE + 1, color=INK)
+    plain_axes(axes, "mesh cycles (pinion pitches)", "power loss over input power [%]")
     legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, torques.size, "torque"))
 
 
@@ -355,7 +346,7 @@ def draw_efficiency(tree: xr.DataTree, parts: str | Sequence[str] | None = None,
     """Draw the efficiency chart of a result with friction; arguments as of ``contact_figures.efficiency``."""
     friction = tree["friction"].to_dataset()
     at = chosen_condition(friction)
-    varied = [name for name in AXES if friction.sizes[name] > 1]
+    varied = [name for name in CONDITION_LABELS if friction.sizes[name] > 1]
     names = chosen_parts(["cycle", *varied], parts)
     rows, columns = -(-len(names) // 2), min(2, len(names))
     marks = "open marks: 5 % of the power loss or more is beyond the range of the formula"
@@ -370,13 +361,13 @@ def draw_efficiency(tree: xr.DataTree, parts: str | Sequence[str] | None = None,
             continue
         by = COMPANION[name]
         curves(axes, friction, name, by, at, on_page=subplots.on_page)
-        axes.set_ylabel("efficiency [%]", fontsize=SMALL_SIZE + 1, color=INK)
+        label_axes(axes, y="efficiency [%]")
         title(axes, friction, at, (name, by))
     return subplots.figure
 
 
 def title(axes: Axes, friction: xr.Dataset, at: dict[str, float], varied: tuple[str, ...]) -> None:
     """Title of a panel: the conditions that do not vary in it."""
-    index = {name: int(np.argmax(friction[name].values == at[name])) for name in AXES}
-    heading = ", ".join(value_name(friction, name, index[name]) for name in AXES if name not in varied)
+    index = {name: int(np.argmax(friction[name].values == at[name])) for name in CONDITION_LABELS}
+    heading = ", ".join(value_name(friction, name, index[name]) for name in CONDITION_LABELS if name not in varied)
     axes.set_title(heading, loc="left", fontsize=BODY_SIZE - 0.5, color=GREY, pad=3)

@@ -50,9 +50,12 @@ from .page import (
     WIDTH,
     evenly_chosen,
     in_print,
+    label_axes,
     legend_of_curves,
+    panel_titles,
     plain_axes,
     plain_bar,
+    plain_legend,
     torque_colours,
     torque_name,
 )
@@ -97,7 +100,7 @@ def draw_transmission_error(
             draw_loaded(axes, loaded, about_mean=name == "about_mean", on_page=subplots.on_page)
         axes.set_xlim(0, CYCLES)
         if name == over_time[-1] or not subplots.on_page:
-            axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
+            label_axes(axes, "mesh cycles (pinion pitches)")
         else:
             axes.tick_params(labelbottom=False)
     if subplots.on_page:
@@ -153,8 +156,7 @@ def draw_orders(axes: Axes, loaded: xr.Dataset, *, on_page: bool = True) -> None
         if np.any(np.isfinite(amplitudes)):
             axes.bar(orders, amplitudes[0], width=0.55, color=BLUE, label=torque_name(float(torques[0])))
             axes.set_xticks(orders)
-        _finish(axes, label, on_page=on_page)
-        axes.set_xlabel("order of the mesh frequency", fontsize=SMALL_SIZE + 1, color=INK)
+        _finish(axes, label, "order of the mesh frequency", on_page=on_page)
         return
     rank = np.argsort(torques)
     for number in range(min(ORDER_COUNT, orders.size)):
@@ -163,15 +165,11 @@ def draw_orders(axes: Axes, loaded: xr.Dataset, *, on_page: bool = True) -> None
             mark: dict[str, Any] = {"marker": ORDER_MARKS[number], "markersize": 3.5}
             axes.plot(torques[rank], amplitudes[rank, number], label=f"order {orders[number]:g}", **line, **mark)
     axes.set_ylim(bottom=0.0)
-    _finish(axes, label, on_page=on_page)
-    axes.set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
+    _finish(axes, label, "torque at the pinion [N m]", on_page=on_page)
 
 
-def _finish(axes: Axes, label: str, *, on_page: bool, heading: str = "") -> None:
-    plain_axes(axes)
-    axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
-    if not on_page:
-        axes.set_title("transmission error", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+def _finish(axes: Axes, label: str, abscissa: str = "", *, on_page: bool, heading: str = "") -> None:
+    plain_axes(axes, abscissa, label, "" if on_page else "transmission error")
     if axes.get_legend_handles_labels()[0]:
         legend_of_curves(axes, on_page=on_page, heading=heading)
     else:
@@ -216,10 +214,10 @@ def draw_load_sharing(tree: xr.DataTree, torque: float | Sequence[float] | None 
         draw_shares(axes, loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
         last, first = number + columns >= chosen.size, number % columns == 0
         if last or not subplots.on_page:
-            axes.set_xlabel("mesh cycles (pinion pitches)", fontsize=SMALL_SIZE + 1, color=INK)
+            label_axes(axes, "mesh cycles (pinion pitches)")
             axes.tick_params(labelbottom=True)
         if first or not subplots.on_page:
-            axes.set_ylabel("share of the torque", fontsize=SMALL_SIZE + 1, color=INK)
+            label_axes(axes, y="share of the torque")
     return subplots.figure
 
 
@@ -331,8 +329,7 @@ def panel_title(axes: Axes, torque: str, surface: PressureMap, at_torque: xr.Dat
         peak = f"peak {surface.peak:.0f} MPa" if surface.peak > 0.0 else "load on sharp edges alone"
     if missing and surface.peak > 0.0:
         peak += f" · {missing} of {at_torque.sizes['mesh_position']} mesh positions missing"
-    axes.set_title(torque, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
-    axes.set_title(peak, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+    panel_titles(axes, torque, peak)
 
 
 ROOT_STRESS_PARTS = ("face", "cycle")
@@ -359,12 +356,11 @@ def draw_root_stress(
         part, name = names[number // len(members)], members[number % len(members)]
         _draw_lines(axes, stress, part, name, chosen)
         axes.set_title(name, loc="left", fontsize=SMALL_SIZE + 1.5, color=INK, weight="bold", pad=3)
-        axes.set_xlabel(LABELS[part], fontsize=SMALL_SIZE + 1, color=INK)
-        if number % len(members) == 0 or not subplots.on_page:
-            axes.set_ylabel("root stress [MPa]", fontsize=SMALL_SIZE + 1, color=INK)
+        leftmost = number % len(members) == 0 or not subplots.on_page
+        label_axes(axes, LABELS[part], "root stress [MPa]" if leftmost else "")
     for axes in subplots.axes:  # only now: panels of a row share their limits
         axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
-    subplots.axes[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+    plain_legend(subplots.axes[0])
     return subplots.figure
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -16,7 +15,8 @@ from numpy.typing import NDArray
 from ...core.errors import printable
 from ...core.output_file import whole_file
 from ..analysis.key_numbers import deviations, model_name, modification
-from ..summary.deflection_report import misalignment_over_torque
+from ..summary.deflection_report import error_values, misalignment_over_torque
+from ..summary.table import with_signs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,9 +58,7 @@ def page(tree: xr.DataTree, heading: str, body_height: float, note: str = "") ->
 
 def in_print(notes: list[str]) -> list[str]:
     """Notes as small print: without their first word and last stop, with the signs of the pictures."""
-    return [
-        note.removeprefix("Note: ").removesuffix(".").replace(" degC", " °C").replace(" um", " µm") for note in notes
-    ]
+    return [with_signs(note.removeprefix("Note: ").removesuffix(".")) for note in notes]
 
 
 def even_lines(parts: Sequence[str], longest: int = SMALL_PRINT_LENGTH) -> list[str]:
@@ -138,18 +136,13 @@ def sheet(height: float) -> Figure:
 def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     """Small print of a result: teeth, flanks, misalignment, supports, departures, elastic model and version."""
     flanks = {"drive": "drive: pinion concave, gear convex", "coast": "coast: pinion convex, gear concave"}
-    errors = [
-        ("E", attributes.get("misalignment_offset_mm", 0.0), "mm"),
-        ("P", attributes.get("misalignment_pinion_axial_mm", 0.0), "mm"),
-        ("G", attributes.get("misalignment_gear_axial_mm", 0.0), "mm"),
-        ("Σ", math.degrees(attributes.get("misalignment_shaft_angle_rad", 0.0)), "°"),
-    ]
-    given = ", ".join(f"{name} {value:+.4g} {unit}".replace("-", "−") for name, value, unit in errors if value)
+    errors = [error.words(value, "+.4g") for error, value in error_values(attributes).items() if value]
+    given = ", ".join(errors).replace("-", "−").replace("Sigma", "Σ").replace("deg", "°")
     teeth = f"{attributes['pinion_teeth']} x {attributes['gear_teeth']}" if "pinion_teeth" in attributes else ""
     name = str(attributes.get("flank", ""))
     version = attributes.get("easeoff_version", "")
     departures = (("deviating flanks", deviations(attributes)), ("modified ease-off", modification(attributes)))
-    departed = [f"{what}: {words}".replace(" um", " µm").replace(" -", " −") for what, words in departures if words]
+    departed = [with_signs(f"{what}: {words}").replace(" -", " −") for what, words in departures if words]
     # A sweep and load cases say by themselves which errors they have.
     if "deflections" in attributes:  # what stands in the other attributes is without torque
         given = f"over the torque: {attributes['deflections']}"
@@ -162,13 +155,34 @@ def small_print(attributes: Mapping[Any, Any]) -> list[str]:
     return [teeth, flanks.get(name, name), misaligned, supports, *departed, model, f"easeoff {version}".strip()]
 
 
-def plain_axes(axes: Axes) -> None:
-    """Style axes: two thin spines, small ticks and a faint grid."""
+def plain_axes(axes: Axes, x: str = "", y: str = "", title: str = "") -> None:
+    """Style axes: two thin spines, small ticks and a faint grid; with labels and a title if they are given."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(GREY)
     axes.tick_params(labelsize=SMALL_SIZE + 0.5, colors=INK, length=3, width=0.6)
     axes.grid(True, color="#e6e6e6", linewidth=0.6)
     axes.set_axisbelow(True)
+    label_axes(axes, x, y, title)
+
+
+def label_axes(axes: Axes, x: str = "", y: str = "", title: str = "") -> None:
+    """Labels and title of axes, as far as they are given."""
+    if title:
+        axes.set_title(title, loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+    for set_label, text in ((axes.set_xlabel, x), (axes.set_ylabel, y)):
+        if text:
+            set_label(text, fontsize=SMALL_SIZE + 1, color=INK)
+
+
+def panel_titles(axes: Axes, name: str, said: str = "") -> None:
+    """Name of a panel on the left above it, and what is said of it on the right."""
+    axes.set_title(name, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
+    axes.set_title(said, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+
+
+def plain_legend(axes: Axes) -> None:
+    """Legend without a frame, where there is most room."""
+    axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
 
 
 def plain_bar(bar: Colorbar, label: str) -> None:

@@ -51,7 +51,7 @@ def result_mark(result: xr.DataTree | xr.Dataset) -> str:
 
 def save_picture(figure: Figure, path: Path, result: xr.DataTree | xr.Dataset) -> Path:
     """Write a picture of a result, marked with the result and the title of its case; returns and raises as ``save``."""
-    from .page import save  # loads the drawing library
+    from .page import save
 
     title = printable(str(result.attrs.get("title", "")))
     return save(figure, path, {"Source": f"{SOURCE}, {result_mark(result)}", "Title": title})

@@ -32,6 +32,7 @@ from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
 from ..result_layout import PATTERN
 from ..summary.deflection_report import misalignment_over_torque
+from ..summary.quantities import TITLES
 from ..summary.sweep_report import outcome
 from ..sweep.reductions import LOADS, ROWS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
 from .page import (
@@ -44,25 +45,23 @@ from .page import (
     SMALL_SIZE,
     VERMILION,
     evenly_chosen,
+    label_axes,
     legend_at_foot,
     legend_of_curves,
     plain_axes,
     plain_bar,
+    plain_legend,
     torque_colours,
     torque_name,
 )
 from .panel_grid import OwnAxes, chosen_parts, panels
 
 Array = NDArray[Any]
-#: Numbers that are drawn, where a sweep has them, with their names.
-DRAWN = {
-    "peak_to_peak": "transmission error, peak to peak [µrad]",
-    "max_pressure": "greatest pressure [MPa]",
-    "contact_ratio": "contact ratio under load",
-    "pattern_centre_lengthwise": "centre of the pattern, toe 0 to heel 1",
-    "max_root_stress": "greatest root stress [MPa]",
-    "efficiency": "efficiency",
-}
+#: Numbers that are drawn, where a sweep has them.
+DRAWN = (
+    *("peak_to_peak", "max_pressure", "contact_ratio"),
+    *("pattern_centre_lengthwise", "max_root_stress", "efficiency"),
+)
 #: Names of the pictures of a sweep; which there are depends on what is swept.
 PICTURES = ("sweep_map", "sweep_curves", "sweep_pattern", "sweep_histograms", "sweep_tornado")
 PANEL_LIMIT = 4
@@ -179,6 +178,11 @@ def _panels(
     return subplots.figure, subplots.axes
 
 
+def _finish(axes: Axes, title: str, x: str = "", y: str = "") -> None:
+    plain_axes(axes, x, y)
+    axes.set_title(title, fontsize=BODY_SIZE, color=INK, loc="left")
+
+
 def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, own: OwnAxes) -> Figure:
     """Filled contours of numbers over two coordinates; failed points stay white."""
     said = _reduced(dataset, names[0], (up, along))[1]
@@ -204,13 +208,10 @@ def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, own: OwnAxe
         axes.plot(
             x[known[1]], y[known[0]], "o", color="white", markersize=2.5, markeredgecolor=INK, markeredgewidth=0.4
         )
-        plain_axes(axes)
+        _finish(axes, TITLES[name], _label(dataset, along), _label(dataset, up))
         axes.grid(False)
         for axis, at in ((axes.xaxis, x), (axes.yaxis, y)):
             axis.set_major_locator(FixedLocator(at.tolist()) if at.size <= TICK_LIMIT else MaxNLocator(5))
-        axes.set_xlabel(_label(dataset, along), fontsize=SMALL_SIZE + 1, color=INK)
-        axes.set_ylabel(_label(dataset, up), fontsize=SMALL_SIZE + 1, color=INK)
-        axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")
         plain_bar(figure.colorbar(drawn, ax=axes, pad=0.02), "")
     return figure
 
@@ -232,11 +233,9 @@ def _curves(dataset: xr.Dataset, names: list[str], along: str, own: OwnAxes) -> 
             label = torque_name(float(dataset[by].values[index])) if by else None
             line = {"color": colour, "linewidth": 1.6, "marker": "o", "markersize": 2.5}
             axes.plot(dataset[along].values[order], lines[:, index], label=label, **line)
-        plain_axes(axes)
-        axes.set_xlabel(_label(dataset, along), fontsize=SMALL_SIZE + 1, color=INK)
-        axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")
+        _finish(axes, TITLES[name], _label(dataset, along))
     if by:
-        grid[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+        plain_legend(grid[0])
     return figure
 
 
@@ -274,12 +273,9 @@ def _pattern(dataset: xr.Dataset, own: OwnAxes) -> Figure:
             axes.plot(t[known], h[known], color=FAINT, linewidth=0.8)
         axes.scatter(t[known], h[known], c=colours[known], s=14, zorder=3)
         axes.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03))
-        plain_axes(axes)
-        axes.set_xlabel("toe 0 to heel 1", fontsize=SMALL_SIZE + 1, color=INK)
-        axes.set_ylabel("root 0 to tip 1 (gear)", fontsize=SMALL_SIZE + 1, color=INK)
-        if along != "torque" and "torque" in dataset.dims:
-            words = torque_name(float(dataset["torque"].values[torque]))
-            axes.set_title(words, fontsize=BODY_SIZE, color=INK, loc="left")
+        of_torque = along != "torque" and "torque" in dataset.dims
+        words = torque_name(float(dataset["torque"].values[torque])) if of_torque else ""
+        _finish(axes, words, "toe 0 to heel 1", "root 0 to tip 1 (gear)")
     plain_bar(figure.colorbar(ScalarMappable(scale, "viridis"), ax=list(grid), pad=0.02), _label(dataset, by))
     return figure
 
@@ -312,11 +308,9 @@ def _histograms(dataset: xr.Dataset, names: list[str], own: OwnAxes) -> Figure:
             for percent, value in zip(PERCENT, np.percentile(known, PERCENT), strict=True):
                 style = "-" if percent == 50.0 else ":"
                 axes.axvline(value, color=colour, linewidth=1.1, linestyle=style)
-        plain_axes(axes)
-        axes.set_title(DRAWN[name], fontsize=BODY_SIZE, color=INK, loc="left")
-        axes.set_ylabel("samples", fontsize=SMALL_SIZE + 1, color=INK)
+        _finish(axes, TITLES[name], y="samples")
     if "torque" in dataset.dims:
-        grid[0].legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+        plain_legend(grid[0])
     return figure
 
 
@@ -354,8 +348,7 @@ def _tornado(dataset: xr.Dataset, names: list[str], own: OwnAxes) -> Figure:
         widest = 1.1 * float(np.nanmax(np.abs(effect), initial=0.0)) or 1.0
         axes.set_xlim(-widest, widest)
         axes.axvline(0.0, color=GREY, linewidth=0.8)
-        plain_axes(axes)
-        axes.set_title(f"change of {DRAWN[name]}", fontsize=BODY_SIZE, color=INK, loc="left")
+        _finish(axes, f"change of {TITLES[name]}")
     if own is None:
         legend_at_foot(figure, grid[0].get_legend_handles_labels()[0], 0.28)
     return figure
@@ -401,8 +394,7 @@ def draw_misalignment(tree: xr.DataTree, own: OwnAxes = None) -> Figure:
     grid[2].set_ylim(0.0, 100.0)
     labels = ("displacement [mm]", "angle [°]", "pattern centre [%]")
     for axes, label in zip(grid, labels, strict=True):
-        plain_axes(axes)
-        axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
+        plain_axes(axes, y=label)
         if torques[-1] > last:
             axes.axvspan(last, torques[-1], color=GREY, alpha=0.12, linewidth=0, zorder=0, label="beyond the table")
         if axes is not grid[2] and in_cycle:
@@ -410,7 +402,7 @@ def draw_misalignment(tree: xr.DataTree, own: OwnAxes = None) -> Figure:
         legend_of_curves(axes, on_page=drawn_in.on_page)
     for axes in grid[:2]:
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    grid[2].set_xlabel("torque at the pinion [N m]", fontsize=SMALL_SIZE + 1, color=INK)
+    label_axes(grid[2], "torque at the pinion [N m]")
     for axes in grid:
         axes.set_xlim(left=0.0)
     if drawn_in.on_page:
@@ -461,16 +453,12 @@ def draw_front(tree: xr.DataTree, others: Mapping[str, Array], own: OwnAxes = No
     units = [PRINTED.get(unit, unit) for unit in front["objective_units"].values.tolist()]
     axes.set_xlabel(f"{names[0]} [{units[0]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
     axes.set_ylabel(f"{names[1]} [{units[1]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
-    axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+    plain_legend(axes)
     return subplots.figure
 
 
 DEPTH_MAP = "YlOrBr"
-OVER_TIME = {
-    "largest_depth": "largest wear depth [µm]",
-    "peak_to_peak": "transmission error, peak to peak [µrad]",
-    "max_pressure": "greatest pressure [MPa]",
-}
+OVER_TIME = ("largest_depth", "peak_to_peak", "max_pressure")
 WEAR_PARTS = (*MEMBERS, *OVER_TIME)
 
 
@@ -495,11 +483,8 @@ def _draw_depth(axes: Axes, depth: xr.DataArray, member: str) -> None:
     place = 100.0 * depth["lengthwise"].values, 100.0 * depth["profile"].values
     levels = np.asarray(MaxNLocator(12).tick_values(0.0, max(float(np.nanmax(values, initial=0.0)), 1e-9)))
     drawn = axes.contourf(*place, values, levels=levels, cmap=DEPTH_MAP)
-    plain_axes(axes)
+    plain_axes(axes, "from the toe [%]", "from the root [%]", f"depth on the {member} [µm]")
     axes.grid(False)
-    axes.set_xlabel("from the toe [%]", fontsize=SMALL_SIZE + 1, color=INK)
-    axes.set_ylabel("from the root [%]", fontsize=SMALL_SIZE + 1, color=INK)
-    axes.set_title(f"depth on the {member} [µm]", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
     figure: Any = axes.get_figure(root=True)
     plain_bar(figure.colorbar(drawn, ax=axes, pad=0.02, ticks=MaxNLocator(6)), "")
 
@@ -515,11 +500,9 @@ def _draw_history(axes: Axes, history: xr.Dataset, name: str) -> None:
         for index, colour in enumerate(torque_colours(torques)):
             label = torque_name(float(torques[index]))
             axes.plot(over, history[name].isel(torque=index), "o-", color=colour, markersize=3, label=label)
-    plain_axes(axes)
     axes.set_xlim(left=0.0)
-    axes.set_xlabel("revolutions of the pinion", fontsize=SMALL_SIZE + 1, color=INK)
-    axes.set_title(OVER_TIME[name], loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
-    axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+    plain_axes(axes, "revolutions of the pinion", title=TITLES[name])
+    plain_legend(axes)
 
 
 ROW_COUNT_LIMIT = 30

@@ -21,8 +21,22 @@ from numpy.typing import NDArray
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import fit
 from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
+from ..summary.quantities import TITLES
 from .contact_pattern_chart import number_lines, outlined
-from .page import BLUE, BODY_SIZE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, plain_axes, plain_bar, torque_name
+from .page import (
+    BLUE,
+    FAINT,
+    GREY,
+    INK,
+    SMALL_SIZE,
+    VERMILION,
+    WIDTH,
+    label_axes,
+    plain_axes,
+    plain_bar,
+    plain_legend,
+    torque_name,
+)
 from .panel_grid import OwnAxes, chosen_parts, panels
 from .tooth_view import ToothView, draw_flank, fine_grid
 
@@ -107,7 +121,7 @@ def _label(axes: Axes, x: Array, y: Array, flank: CorrectedFlank, part: str, val
     axes.text(1.09 + SHEAR, middle, "heel", ha="left", **style)
     axes.text(0.5 + SHEAR, HEIGHT_SHARE + BAR_SHARE + 0.05, "top", ha="center", **style)
     axes.text(0.5, -BAR_SHARE - 0.05, "root", ha="center", **style)
-    axes.set_title(f"{flank.side} flank, {FLANK_STATES[part]}", loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+    label_axes(axes, title=f"{flank.side} flank, {FLANK_STATES[part]}")
     known = value[np.isfinite(value)]
     sizes = f"rms {np.sqrt(np.mean(known**2)):.2f} · {known.min():+.1f} to {known.max():+.1f} µm"
     text = f"{sizes} · sum of squares {np.sum(known**2):.4g} µm²".replace("-", "−")
@@ -133,13 +147,7 @@ def _draw_scale(axes: Axes, scale: float, largest: float) -> None:
 CHANGE_MAP = "RdBu_r"  # red where the gap grows
 LEVEL_COUNT = 12
 SPAN_MINIMUM = 0.2  # [um]
-COMPARED = {
-    "max_line_load": "greatest line load [N/mm]",
-    "max_pressure": "greatest pressure [MPa]",
-    "max_end_load": "greatest line load at the edges [N/mm]",
-    "peak_to_peak": "transmission error, peak to peak [µrad]",
-}
-CHANGE_PARTS = ("surface", *COMPARED)
+CHANGE_PARTS = ("surface", "max_line_load", "max_pressure", "max_end_load", "peak_to_peak")
 
 
 def draw_deviations(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> Figure:
@@ -165,7 +173,7 @@ def draw_optimization(
         if name == "surface":
             draw_change(axes, view, tree["modification"].to_dataset()["modification"], "addition to the ease-off [µm]")
         else:
-            _draw_stages(axes, record[name].max("assembly"), COMPARED[name])
+            _draw_stages(axes, record[name].max("assembly"), TITLES[name])
     return subplots.figure
 
 
@@ -173,7 +181,7 @@ def draw_change(axes: Axes, view: ToothView, change: xr.DataArray, label: str) -
     """Draw a change of the ease-off [um] over (lengthwise, profile) on the common flank, with a colour bar."""
     draw_flank(axes, view)
     axes.tick_params(axis="y", pad=15, length=0)  # beyond the word at the toe
-    axes.set_title(label, loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
+    label_axes(axes, title=label)
     grid = fine_grid()
     nodes = change.transpose("lengthwise", "profile").values
     values = fit(change["lengthwise"].values, change["profile"].values, {"change": nodes})("change", grid)
@@ -204,7 +212,6 @@ def _draw_stages(axes: Axes, values: xr.DataArray, label: str) -> None:
     for number, (stage, colour) in enumerate((("before", FAINT), ("after", BLUE))):
         heights = np.nan_to_num(values.sel(stage=stage).values)
         axes.bar(places + 0.38 * (number - 0.5), heights, width=0.36, color=colour, label=stage)
-    plain_axes(axes)
+    plain_axes(axes, title=label)
     axes.set_xticks(places, [torque_name(float(torque)) for torque in torques])
-    axes.set_title(label, loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
-    axes.legend(fontsize=SMALL_SIZE, frameon=False, labelcolor=INK)
+    plain_legend(axes)

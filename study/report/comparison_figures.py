@@ -39,7 +39,15 @@ from ..compare.method_statistics import (
     time_of,
     work_precision,
 )
-from ..plot.page import BODY_SIZE, GREY, INK, SMALL_SIZE, plain_axes, save, titled_sheet
+from ..plot.page import (
+    GREY,
+    INK,
+    SMALL_SIZE,
+    label_axes,
+    plain_axes,
+    save,
+    titled_sheet,
+)
 from .comparison_report import FIGURE_FOLDER, FIGURE_FORMATS, Picture, group_of, size_groups
 
 #: Okabe and Ito's colours without yellow, which is too faint for lines; the first is for the native solver.
@@ -105,11 +113,9 @@ def sparse_markers(count: int, number: int) -> tuple[int, int]:
 
 def finish(axes: Axes, title: str, right: str, label: str) -> None:
     """Titles, label of the ordinate and the legend at the side."""
-    plain_axes(axes)
+    plain_axes(axes, y=label, title=title)
     axes.tick_params(which="minor", length=1.5, width=0.5, colors=GREY)
-    axes.set_title(title, loc="left", fontsize=BODY_SIZE, color=INK, pad=3)
     axes.set_title(right, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
-    axes.set_ylabel(label, fontsize=SMALL_SIZE + 1, color=INK)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(
             loc="center left",
@@ -119,11 +125,6 @@ def finish(axes: Axes, title: str, right: str, label: str) -> None:
             labelcolor=INK,
             handlelength=2.6,
         )
-
-
-def abscissa(axes: Axes, label: str) -> None:
-    """Label of the abscissa."""
-    axes.set_xlabel(label, fontsize=SMALL_SIZE + 1, color=INK)
 
 
 def settings_title(settings: str) -> str:
@@ -210,7 +211,7 @@ def _profile_figure(
         axes.yaxis.set_major_formatter(PercentFormatter(1.0))
         plain_ticks(axes.xaxis)
         finish(axes, settings_title(settings), f"{len(compared)} problems", "share solved")
-        abscissa(axes, label)
+        label_axes(axes, label)
     return figure
 
 
@@ -296,7 +297,7 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
         plain_ticks(axes.yaxis)
         count = len(chosen.drop_duplicates(["problem_file", "problem"]))
         finish(axes, f"{group}", f"{count} problems", f"{time_of(dataset)} time [ms]")
-        abscissa(axes, "number of segments n")
+        label_axes(axes, "number of segments n")
     return figure
 
 
@@ -347,7 +348,7 @@ def draw_work_precision(dataset: xr.Dataset, problems: Any) -> Figure:
     lower.yaxis.set_major_formatter(PercentFormatter(1.0))
     finish(upper, "time", f"{count} problems", f"median {time_of(dataset)} time [ms]")
     finish(lower, "reach", "", "share of problems")
-    abscissa(lower, "certified accuracy (largest violation of a condition)")
+    label_axes(lower, "certified accuracy (largest violation of a condition)")
     return figure
 
 

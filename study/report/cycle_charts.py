@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -12,44 +13,109 @@ from numpy.typing import NDArray
 from ...contact.evaluation.tooth_passage import unloaded_curves
 from ...core.attributes import ordered
 from ..summary.plausibility import TOLD_SHARE
+from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS
 from ..summary.supports_report import SHARES, bearing_loads
 from .packed_array import packed_exactly
 
 Array = NDArray[Any]
 LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
 CYCLE = "mesh position"
-#: Conditions over which efficiencies are drawn.
-AXES = {
-    "torque": "torque at the pinion [N m]",
-    "speed": "speed of the pinion [1/min]",
-    "temperature": "oil temperature [°C]",
-    "roughness": "RMS roughness [µm]",
+ROTATION, TORQUE, REVOLUTIONS = "rotation of the gear [µrad]", CONDITION_LABELS["torque"], "revolutions of the pinion"
+
+
+@dataclass(frozen=True)
+class ChartKind:
+    """What a chart shows: title, label of its ordinate, variable, label of its abscissa.
+
+    ``by`` "torque": a series a torque, all but the chosen one pale; "only": those of the chosen one alone.
+    """
+
+    title: str
+    y: str
+    source: str
+    x: str = CYCLE
+    by: str = "torque"
+
+
+CHARTS = {
+    "te_unloaded": ChartKind(
+        "Transmission error without load", ROTATION, "unloaded/transmission_error", "mesh cycles", ""
+    ),
+    "te_loaded": ChartKind("Transmission error under load", ROTATION, "loaded/transmission_error"),
+    "te_mean": ChartKind("Transmission error under load, about its mean", ROTATION, "loaded/transmission_error"),
+    "te_orders": ChartKind(
+        "Orders of the transmission error", "amplitude [µrad]", "loaded/harmonic", "order of the mesh frequency"
+    ),
+    "te_torque": ChartKind(
+        "Transmission error over torque", "[µrad]", "loaded/peak_to_peak, loaded/harmonic", TORQUE, ""
+    ),
+    "load_share": ChartKind("Load share", "share of the torque [%]", "loaded/load_share", by="only"),
+    "max_pressure": ChartKind("Greatest pressure", "[MPa]", "loaded/pressure"),
+    "mesh_stiffness": ChartKind("Mesh stiffness", "[N m/µrad]", "loaded/mesh_stiffness"),
+    "edge_share": ChartKind("Share of the load on tooth edges", "[%]", "loaded/edge_share"),
+    "rotation_parts": ChartKind(
+        "Parts of the gear's rotation, mean over the mesh cycle",
+        "[µrad]",
+        "supports/teeth_rotation, contact_rotation, supports_rotation, ease_off_rotation",
+        TORQUE,
+        "",
+    ),
+    "bearing_radial": ChartKind("Radial bearing loads", "[N]", "supports/bearing_force", by="only"),
+    "bearing_axial": ChartKind(
+        "Axial bearing loads, positive towards the heel", "[N]", "supports/bearing_force", by="only"
+    ),
+    "root": ChartKind("Root stress along the face", "[MPa]", "root_stress/root_stress", "from the toe [%]"),
+    "root_cycle": ChartKind("Greatest root stress of the teeth in mesh", "[MPa]", "root_stress/root_stress_history"),
+    "friction_coefficient": ChartKind(
+        "Friction coefficient, mean weighted by force", "", "friction/friction_coefficient"
+    ),
+    "film_thickness": ChartKind("Least film thickness", "[µm]", "friction/film_thickness"),
+    "flash_temperature": ChartKind("Greatest flash temperature", "[K]", "friction/flash_temperature"),
+    "sliding": ChartKind("Sliding velocity, mean weighted by force", "[m/s]", "friction/sliding_velocity"),
+    "pv": ChartKind("Greatest pressure × sliding velocity", "[MPa m/s]", "loaded/pressure × friction/sliding_velocity"),
+    "power_loss": ChartKind("Power loss", "[W]", "friction/mesh_power_loss"),
+    **{
+        f"efficiency_{name}": ChartKind(
+            f"Efficiency over {label.partition(' [')[0]}", "[%]", "friction/efficiency", label, ""
+        )
+        for name, label in CONDITION_LABELS.items()
+    },
+    "wear_depth": ChartKind("Greatest depth of wear", "[µm]", "largest_depth", REVOLUTIONS, ""),
+    "wear_error": ChartKind("Transmission error, peak to peak", "[µrad]", "peak_to_peak", REVOLUTIONS, ""),
+    "wear_pressure": ChartKind("Greatest pressure", "[MPa]", "max_pressure", REVOLUTIONS, ""),
 }
-CONDITION_UNITS = {"speed": "1/min", "temperature": "°C", "roughness": "µm"}
 
 
 def chart(
-    name: str, title: str, x: str, y: str, source: str, series: Sequence[tuple[str, Array, Array]], *, by: str = ""
+    name: str, series: Iterable[tuple[str, Array, Array]], member: str = "", per: int | None = None
 ) -> dict[str, Any]:
-    """Chart for the page, without series that have no finite value.
-
-    ``by`` "torque": a series a torque, all but the chosen one pale; "only" and "each": those of the chosen one alone.
-    """
+    """Chart of ``CHARTS`` for the page, without series that have no finite value; ``per`` of them are of one torque."""
+    kind = CHARTS[name]
     shown = [
         {"name": label, "x": packed_exactly(at), "y": packed_exactly(values), "number": number}
         for number, (label, at, values) in enumerate(series)
         if np.any(np.isfinite(values))
     ]
     return {
-        "id": name,
-        "title": title,
-        "x": x,
-        "y": y,
-        "source": source,
+        "id": f"{name}_{member}" if member else name,
+        "title": f"{kind.title}, {member}" if member else kind.title,
+        "x": kind.x,
+        "y": kind.y,
+        "source": kind.source,
         "series": shown,
-        "by": by,
-        "cycle": x == CYCLE,
+        "by": kind.by,
+        "cycle": kind.x == CYCLE,
+        **({} if per is None else {"per": per}),
     }
+
+
+def _course(name: str, names: Sequence[str], table: Array, member: str = "") -> dict[str, Any]:
+    """Chart over the mesh cycle with a series a torque (torque, mesh_position)."""
+    return chart(name, ((n, *_cycle(v)) for n, v in zip(names, table, strict=True)), member)
+
+
+def _torque_names(torques: Array) -> list[str]:
+    return [f"{torque:g} N m" for torque in torques]
 
 
 def _cycle(values: Array) -> tuple[Array, Array]:
@@ -126,73 +192,30 @@ def transmission_error_charts(
     The mean pitch radius of the gear [mm] gives a second scale of lengths [um] along its pitch circle.
     """
     loaded = tree["loaded"].to_dataset()
-    names = [f"{torque:g} N m" for torque in loaded["torque"].values[chosen]]
+    orders, torques = loaded["order"].values.astype(float), loaded["torque"].values
+    names = _torque_names(torques[chosen])
     error = ordered(loaded, "transmission_error", *LOADED)[chosen]
     course, times, lowest = unloaded_curves(tree["unloaded"].to_dataset())
-    unloaded = [("pair that carries", times / 1.0, lowest)] if course.values.size else []
     about = [value - np.mean(value[np.isfinite(value)]) if np.any(np.isfinite(value)) else value for value in error]
     harmonic = ordered(loaded, "harmonic", "torque", "order")
-    orders, torques = loaded["order"].values.astype(float), loaded["torque"].values
-    labels = ("rotation of the gear [µrad]", "loaded/transmission_error")
-    charts = [
-        chart(
-            "te_unloaded",
-            "Transmission error without load",
-            "mesh cycles",
-            labels[0],
-            "unloaded/transmission_error",
-            unloaded,
-        ),
-        chart(
-            "te_loaded",
-            "Transmission error under load",
-            CYCLE,
-            *labels,
-            [(n, *_cycle(v)) for n, v in zip(names, error, strict=True)],
-            by="torque",
-        ),
-        chart(
-            "te_mean",
-            "Transmission error under load, about its mean",
-            CYCLE,
-            *labels,
-            [(n, *_cycle(v)) for n, v in zip(names, about, strict=True)],
-            by="torque",
-        ),
-        chart(
-            "te_orders",
-            "Orders of the transmission error",
-            "order of the mesh frequency",
-            "amplitude [µrad]",
-            "loaded/harmonic",
-            [(n, orders, harmonic[i]) for n, i in zip(names, chosen, strict=True)],
-            by="torque",
-        ),
-    ]
+    unloaded = chart("te_unloaded", [("pair that carries", times / 1.0, lowest)] if course.values.size else [])
+    charts = [_course("te_loaded", names, error), _course("te_mean", names, np.array(about))]
+    charts.append(chart("te_orders", [(n, orders, harmonic[i]) for n, i in zip(names, chosen, strict=True)]))
     if torques.size > 1:
         rank = np.argsort(torques)
-        series = [(f"order {o:g}", torques[rank], harmonic[rank, i]) for i, o in enumerate(orders[:4])]
-        series.insert(0, ("peak to peak", torques[rank], loaded["peak_to_peak"].values[rank]))
-        charts.append(
-            chart(
-                "te_torque",
-                "Transmission error over torque",
-                "torque at the pinion [N m]",
-                "[µrad]",
-                "loaded/peak_to_peak, loaded/harmonic",
-                series,
-            )
-        )
+        series = [("peak to peak", torques[rank], loaded["peak_to_peak"].values[rank])]
+        series += [(f"order {o:g}", torques[rank], harmonic[rank, i]) for i, o in enumerate(orders[:4])]
+        charts.append(chart("te_torque", series))
     if radius is not None:
         second = {"factor": 1e-3 * radius, "label": "[µm] at the mean pitch radius"}
-        charts = [one | {"second": second} if one["id"] != "te_unloaded" else one for one in charts]
-    return charts
+        charts = [one | {"second": second} for one in charts]
+    return [unloaded, *charts]
 
 
 def contact_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, Any]]:
     """Load shares, greatest pressure, mesh stiffness and share on edges over the mesh cycle."""
     loaded = tree["loaded"].to_dataset()
-    names = [f"{torque:g} N m" for torque in loaded["torque"].values[chosen]]
+    names = _torque_names(loaded["torque"].values[chosen])
     share = 100.0 * ordered(loaded, "load_share", *LOADED, "pair")[chosen]
     pairs = loaded["pair"].values
     shares = [
@@ -200,36 +223,17 @@ def contact_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, An
         for i, name in enumerate(names)
         for p, pair in enumerate(pairs)
     ]
+    pressure = _greatest(ordered(loaded, "pressure", *SEGMENTS))
     charts = [
-        {
-            **chart(
-                "load_share", "Load share", CYCLE, "share of the torque [%]", "loaded/load_share", shares, by="only"
-            ),
-            "per": len(pairs),
-        },
-        _course("max_pressure", "Greatest pressure", "[MPa]", "loaded/pressure", names, _pressure(loaded)[chosen]),
+        chart("load_share", shares, per=len(pairs)),
+        _course("max_pressure", names, np.where(pressure > 0.0, pressure, np.nan)[chosen]),
     ]
-    for variable, title, unit, factor in (
-        ("mesh_stiffness", "Mesh stiffness", "[N m/µrad]", 1.0),
-        ("edge_share", "Share of the load on tooth edges", "[%]", 100.0),
-    ):
+    for variable, factor in (("mesh_stiffness", 1.0), ("edge_share", 100.0)):
         if variable in loaded:
             values = factor * ordered(loaded, variable, *LOADED)[chosen]
             if variable != "edge_share" or np.any(np.nan_to_num(values) > 0.0):
-                charts.append(_course(variable, title, unit, f"loaded/{variable}", names, values))
+                charts.append(_course(variable, names, values))
     return charts
-
-
-def _pressure(loaded: xr.Dataset) -> Array:
-    pressure = _greatest(ordered(loaded, "pressure", *SEGMENTS))
-    return np.where(pressure > 0.0, pressure, np.nan)
-
-
-def _course(name: str, title: str, y: str, source: str, names: Sequence[str], table: Array) -> dict[str, Any]:
-    """Chart over the mesh cycle with a series a torque (torque, mesh_position)."""
-    return chart(
-        name, title, CYCLE, y, source, [(n, *_cycle(v)) for n, v in zip(names, table, strict=True)], by="torque"
-    )
 
 
 def supports_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, Any]]:
@@ -238,51 +242,29 @@ def supports_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, A
     torques = group["torque"].values
     rank = np.argsort(torques)
     parts = [(n, torques[rank], ordered(group, v, *LOADED).mean(axis=1)[rank]) for n, v in SHARES.items()]
-    charts = []
-    if torques.size > 1:
-        source = "supports/teeth_rotation, contact_rotation, supports_rotation, ease_off_rotation"
-        title = "Parts of the gear's rotation, mean over the mesh cycle"
-        charts.append(chart("rotation_parts", title, "torque at the pinion [N m]", "[µrad]", source, parts))
+    charts = [chart("rotation_parts", parts)] if torques.size > 1 else []
     names, radial, axial = bearing_loads(tree)
     place = np.argsort(rank)[chosen]  # these rise with the torque
-    for name, title, force in (("radial", "Radial", radial), ("axial", "Axial", axial)):
+    for name, force in (("bearing_radial", radial), ("bearing_axial", axial)):
         series = [
             (f"{torques[i]:g} N m, {bearing}", *_cycle(force[number, k]))
             for i, k in zip(chosen, place, strict=True)
             for number, bearing in enumerate(names)
         ]
-        if series:
-            words = f"{title} bearing loads" + (", positive towards the heel" if name == "axial" else "")
-            one = chart(f"bearing_{name}", words, CYCLE, "[N]", "supports/bearing_force", series, by="only")
-            charts.append(one | {"per": len(names)})
+        charts += [chart(name, series, per=len(names))] if series else []
     return charts
 
 
 def root_stress_charts(stress: xr.Dataset, chosen: NDArray[Any]) -> list[dict[str, Any]]:
     """Root stress of both members along the face, and over the mesh cycle."""
-    torques = [f"{torque:g} N m" for torque in stress["torque"].values[chosen]]
+    torques = _torque_names(stress["torque"].values[chosen])
     charts = []
     for number, member in enumerate(stress["member"].values):
         along = ordered(stress, "root_stress", "torque", "member", "lengthwise")[chosen, number]
         face = 100.0 * stress["lengthwise"].values
-        charts.append(
-            chart(
-                f"root_{member}",
-                f"Root stress along the face, {member}",
-                "from the toe [%]",
-                "[MPa]",
-                "root_stress/root_stress",
-                [(name, face, values) for name, values in zip(torques, along, strict=True)],
-                by="torque",
-            )
-        )
+        charts.append(chart("root", [(n, face, values) for n, values in zip(torques, along, strict=True)], member))
         history = ordered(stress, "root_stress_history", "torque", "member", "mesh_position", "pair")[chosen, number]
-        title = f"Greatest root stress of the teeth in mesh, {member}"
-        charts.append(
-            _course(
-                f"root_cycle_{member}", title, "[MPa]", "root_stress/root_stress_history", torques, _greatest(history)
-            )
-        )
+        charts.append(_course("root_cycle", torques, _greatest(history), member))
     return charts
 
 
@@ -293,50 +275,38 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
     """
     loaded, friction = tree["loaded"].to_dataset(), tree["friction"].to_dataset()
     subset = friction.isel(at)
-    names = [f"{torque:g} N m" for torque in loaded["torque"].values[chosen]]
-    carries = np.nan_to_num(ordered(loaded, "pressure", *SEGMENTS)) > 0.0
+    names = _torque_names(loaded["torque"].values[chosen])
+    pressure = ordered(loaded, "pressure", *SEGMENTS)
+    carries = np.nan_to_num(pressure) > 0.0
     charts = []
     force = np.where(carries, np.nan_to_num(ordered(loaded, "force", *SEGMENTS)), 0.0)
 
     def mean(table: Array) -> Array:
         return _weighted_mean(table, force)
 
-    for variable, title, unit, reduce in (
-        ("friction_coefficient", "Friction coefficient, mean weighted by force", "", mean),
-        ("film_thickness", "Least film thickness", "[µm]", _least),
-        ("flash_temperature", "Greatest flash temperature", "[K]", _greatest),
-    ):
+    extremes = {"friction_coefficient": mean, "film_thickness": _least, "flash_temperature": _greatest}
+    for variable, reduce in extremes.items():
         if variable in subset:
             table = np.where(carries, subset[variable].transpose(*SEGMENTS).values, np.nan)
-            source = f"friction/{variable}"
-            charts.append(_course(variable, title, unit, source, names, reduce(table)[chosen]))
+            charts.append(_course(variable, names, reduce(table)[chosen]))
     if "sliding_velocity" in subset:
         sliding = subset["sliding_velocity"].transpose(..., "mesh_position", "segment").values  # maybe of each torque
-        source = "friction/sliding_velocity"
         table = np.where(carries, sliding, np.nan)
-        charts.append(
-            _course("sliding", "Sliding velocity, mean weighted by force", "[m/s]", source, names, mean(table)[chosen])
-        )
-        table = table * ordered(loaded, "pressure", *SEGMENTS)
-        source = "loaded/pressure × friction/sliding_velocity"
-        charts.append(
-            _course("pv", "Greatest pressure × sliding velocity", "[MPa m/s]", source, names, _greatest(table)[chosen])
-        )
+        charts.append(_course("sliding", names, mean(table)[chosen]))
+        charts.append(_course("pv", names, _greatest(table * pressure)[chosen]))
     if "mesh_power_loss" in subset:
-        table = subset["mesh_power_loss"].transpose(*LOADED).values[chosen]
-        charts.append(_course("power_loss", "Power loss", "[W]", "friction/mesh_power_loss", names, table))
+        charts.append(_course("power_loss", names, subset["mesh_power_loss"].transpose(*LOADED).values[chosen]))
     efficiency = 100.0 * friction["efficiency"]
-    for along, label in AXES.items():
+    for along in ("torque", "speed", "temperature", "roughness"):
         by = "speed" if along == "torque" else "torque"
         if friction.sizes[along] < 2:
             continue
         fixed = {name: number for name, number in at.items() if name not in (along, by)}
         curves = efficiency.isel(fixed).transpose(by, along).sortby(along)
         rows = range(curves.sizes[by]) if by == "speed" else chosen
-        unit = "1/min" if by == "speed" else "N m"
-        series = [(f"{curves[by].values[i]:g} {unit}", curves[along].values, curves.values[i]) for i in rows]
-        title = f"Efficiency over {label.partition(' [')[0]}"
-        charts.append(chart(f"efficiency_{along}", title, label, "[%]", "friction/efficiency", series))
+        words = CONDITION_UNITS[by]
+        series = [(f"{curves[by].values[i]:g} {words}", curves[along].values, curves.values[i]) for i in rows]
+        charts.append(chart(f"efficiency_{along}", series))
     return charts
 
 

@@ -31,9 +31,9 @@ from ..plot.pattern_lines import contact_pattern
 from ..plot.tooth_view import ToothView, fine_grid
 from ..result_layout import GRID
 from ..summary.correction_report import assembly_rows, assembly_title, terms
+from ..summary.quantities import written
 from .cycle_charts import chart
 from .packed_array import packed, packed_exactly
-from .report_tables import written
 
 Array = NDArray[Any]
 
@@ -342,7 +342,6 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
         ordered(worn, variable, "step", over)
         for variable, over in (("largest_depth", "member"), ("peak_to_peak", "torque"), ("max_pressure", "torque"))
     )
-    label = "revolutions of the pinion"
     heads = ["revolutions", *(f"depth, {member} [µm]" for member in members)]
     several = len(torques) > TORQUE_COUNT_LIMIT
     at = ["greatest of all torques"] if several else torques
@@ -374,30 +373,9 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
             "variables": ["revolutions", "largest_depth", "peak_to_peak", "max_pressure"],
         },
         "charts": [
-            chart(
-                "wear_depth",
-                "Greatest depth of wear",
-                label,
-                "[µm]",
-                "largest_depth",
-                [(member, turned, largest[:, number]) for number, member in enumerate(members)],
-            ),
-            chart(
-                "wear_error",
-                "Transmission error, peak to peak",
-                label,
-                "[µrad]",
-                "peak_to_peak",
-                [(torque, turned, ripple[:, number]) for number, torque in enumerate(torques)],
-            ),
-            chart(
-                "wear_pressure",
-                "Greatest pressure",
-                label,
-                "[MPa]",
-                "max_pressure",
-                [(torque, turned, pressure[:, number]) for number, torque in enumerate(torques)],
-            ),
+            chart("wear_depth", [(m, turned, largest[:, i]) for i, m in enumerate(members)]),
+            chart("wear_error", [(t, turned, ripple[:, i]) for i, t in enumerate(torques)]),
+            chart("wear_pressure", [(t, turned, pressure[:, i]) for i, t in enumerate(torques)]),
         ],
     }
 

@@ -20,6 +20,7 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import tooth_patches
+from ..summary.deflection_report import ERRORS
 from .packed_array import packed, packed_exactly
 
 Array = NDArray[Any]
@@ -27,8 +28,7 @@ Array = NDArray[Any]
 
 def pair_of_result(tree: xr.DataTree, case: Case) -> GearPair:
     """The pair of a case in the misalignment of the result."""
-    keys = ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")
-    misalignment = Misalignment(*(float(tree.attrs[f"misalignment_{key}"]) for key in keys))
+    misalignment = Misalignment(*(float(tree.attrs[error.attribute]) for error in ERRORS))
     return gear_pair(case, tree.attrs["flank"]).misaligned(misalignment)
 
 

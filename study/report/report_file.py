@@ -32,7 +32,9 @@ from ..plot.tooth_view import tooth_view
 from ..result import checked_result, read_result
 from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, require_layout
 from ..summary.result_summary import head_rows, result_notes
+from ..summary.supports_report import supports_tables
 from ..summary.sweep_report import SIGNS, reasons, totals, vh_rows
+from ..summary.table import with_signs
 from ..sweep.sweep_file import MARK
 from . import cycle_charts, flank_pictures
 from .mesh_scene import mesh_scene
@@ -45,9 +47,7 @@ from .report_tables import (
     loaded_numbers,
     mean_pitch_radius,
     misalignment_rows,
-    supports_rows,
     unloaded_numbers,
-    with_signs,
 )
 from .stored_case import stored_case
 
@@ -352,7 +352,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "case": [] if case is None else case_tables(case),
         "unloaded_numbers": unloaded_numbers(tree),
         "loaded_numbers": under_load,
-        "supports": supports_rows(tree),
+        "supports": [table.page() for table in supports_tables(tree)],
         "deviations": flank_pictures.deviation_fields(tree, case, views),
         "modification": flank_pictures.modification_part(tree),
         "teeth": int(tree.attrs["pinion_teeth"]),

@@ -6,7 +6,6 @@ Dimensions that a case implies: what a gear's data sheet lists, measured on its 
 from __future__ import annotations
 
 import math
-import re
 from typing import Any
 
 import numpy as np
@@ -24,10 +23,11 @@ from ...geometry.pair.gear_pair import MEMBERS, GearPair, thickness_per_angle
 from ...geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
 from ...geometry.tooth.tooth_flanks import named_member, placed_flanks, tooth_angle
 from ..analysis.key_numbers import key_numbers
-from ..summary.deflection_report import misalignment_over_torque
-from ..summary.load_case_summary import duty_lines, input_columns, load_case_notes, result_columns, variable_of
+from ..summary.deflection_report import mean_misalignment
+from ..summary.load_case_summary import duty_lines, load_case_notes, load_case_tables
+from ..summary.quantities import FRICTION, LOADED, UNLOADED, written
 from ..summary.result_summary import end_name
-from ..summary.supports_report import supports_tables
+from ..summary.table import with_signs
 
 Array = NDArray[Any]
 SIDES = ("concave", "convex")
@@ -134,76 +134,22 @@ def _cutters(case: Case, name: str) -> dict[str, float]:
     return {"cutter_radius": 0.5 * sum(radii), "point_width": radii[0] - radii[1]}
 
 
-NO_VALUE = "–"
 ROW_COUNT_LIMIT = 60  # of the table of efficiencies
-
-#: Numbers over torque: name, unit, variable (of ``key_numbers``), group it comes from, factor and format.
-LOADED_ROWS = (
-    ("transmission error of the gear, mean", "µrad", "mean_level", 1.0, ".1f"),
-    ("transmission error of the gear, peak to peak", "µrad", "peak_to_peak", 1.0, ".2f"),
-    ("transmission error of the pinion, mean", "µrad", "pinion_mean_level", 1.0, ".1f"),
-    ("transmission error of the pinion, peak to peak", "µrad", "pinion_peak_to_peak", 1.0, ".2f"),
-    ("mesh stiffness, mean", "N m/µrad", "mean_mesh_stiffness", 1.0, ".3f"),
-    ("contact ratio under load", "", "contact_ratio", 1.0, ".2f"),
-    ("greatest share of a tooth pair", "%", "max_load_share", 100.0, ".1f"),
-    ("pattern, centre from the toe", "%", "pattern_centre_lengthwise", 100.0, ".0f"),
-    ("pattern, centre from the root", "%", "pattern_centre_profile", 100.0, ".0f"),
-    ("pattern, length", "%", "pattern_length", 100.0, ".0f"),
-    ("pattern, height", "%", "pattern_height", 100.0, ".0f"),
-    ("greatest pressure", "MPa", "max_pressure", 1.0, ".0f"),
-    ("greatest pressure, from the toe", "%", "max_pressure_lengthwise", 100.0, ".0f"),
-    ("greatest pressure, from the root", "%", "max_pressure_profile", 100.0, ".0f"),
-    ("greatest pressure, mesh position", "", "max_pressure_position", 1.0, ".2f"),
-)
-UNLOADED_ROWS = (
-    ("common flank, part of the gear flank", "%", "common_flank", "ease_off/inside", 100.0, ".0f"),
-    ("greatest ease-off", "µm", "max_ease_off", "ease_off/ease_off", 1.0, ".1f"),
-    ("transmission error, peak to peak", "µrad", "unloaded_peak_to_peak", "unloaded.peak_to_peak", 1.0, ".2f"),
-    (
-        "transmission error of the pinion, peak to peak",
-        "µrad",
-        "unloaded_pinion_peak_to_peak",
-        "unloaded/pinion_peak_to_peak",
-        1.0,
-        ".2f",
-    ),
-    ("contact ratio", "", "unloaded_contact_ratio", "unloaded/contact_ratio", 1.0, ".2f"),
-    (
-        "geometric contact ratio, of contact lines alone (edges count under load, too)",
-        "",
-        "geometric_contact_ratio",
-        "unloaded/geometric_contact_ratio",
-        1.0,
-        ".2f",
-    ),
-    ("marking print, length", "%", "unloaded_pattern_length", "unloaded/pattern_length", 100.0, ".0f"),
-    ("marking print, height", "%", "unloaded_pattern_height", "unloaded/pattern_height", 100.0, ".0f"),
-)
-
 
 #: Variables of the rows under load that come first.
 FIRST_PATHS = (
     *("loaded/max_pressure", "loaded/max_pressure_line_end", "loaded/peak_to_peak", "loaded/max_load_share"),
     *("loaded/contact_ratio", "loaded/edge_share", "root_stress/max_root_stress", "loaded/status"),
 )
-FIRST_OF_FRICTION = (
-    ("power loss", "W", "mean_power_loss", 1.0, ".1f"),
-    ("efficiency", "%", "efficiency", 100.0, ".2f"),
-)
-
-
-def written(value: float, form: str) -> str:
-    """Number in a format; a dash if there is none."""
-    return format(value, form) if math.isfinite(value) else NO_VALUE
 
 
 def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
     """Rows name, unit, variable and value of the contact without load."""
     numbers = key_numbers(tree)
     rows = [
-        [name, unit, path, written(factor * float(numbers[variable]), form)]
-        for name, unit, variable, path, factor, form in UNLOADED_ROWS
-        if variable in numbers
+        [quantity.label, quantity.unit, path, quantity.written(float(numbers[name]))]
+        for name, (quantity, path) in UNLOADED.items()
+        if name in numbers
     ]
     orders = zip(numbers["order"].values, numbers["unloaded_harmonic"].values, strict=True)
     return rows + [
@@ -219,8 +165,8 @@ def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any
     numbers = key_numbers(tree)
     loaded = tree["loaded"].to_dataset()
     rows = [
-        [name, unit, f"loaded/{variable}", *(written(factor * v, form) for v in numbers[variable].values)]
-        for name, unit, variable, factor, form in LOADED_ROWS
+        [quantity.label, quantity.unit, f"loaded/{variable}", *map(quantity.written, numbers[variable].values)]
+        for variable, quantity in LOADED.items()
         if variable in numbers
     ]
     for order in numbers["order"].values:
@@ -260,9 +206,9 @@ def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict
     friction = tree["friction"].to_dataset().sel(condition)
     power = torques * condition["speed"] * math.pi / 30.0
     rows.append(["power of the pinion", "kW", "loaded/torque × friction/speed", *(f"{1e-3 * v:.4g}" for v in power)])
-    for name, unit, variable, factor, form in FIRST_OF_FRICTION:
-        values = ordered(friction, variable, "torque")
-        rows.append([name, unit, f"friction/{variable}", *(written(factor * v, form) for v in values)])
+    for variable in ("mean_power_loss", "efficiency"):
+        quantity, values = FRICTION[variable], ordered(friction, variable, "torque")
+        rows.append([quantity.label, quantity.unit, f"friction/{variable}", *map(quantity.written, values)])
     speeds = f"{condition['speed']:g} 1/min of the pinion, {condition['speed'] / ratio:.4g} 1/min of the gear"
     words = f"power, loss and efficiency at {speeds}, {condition['temperature']:g} °C, Rq {condition['roughness']:g} µm"
     return {"torques": under_load["torques"], "rows": rows, "condition": words}
@@ -270,11 +216,10 @@ def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict
 
 def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
     """Rows torque, E, P, G [mm] and Sigma [°] as means over the mesh cycle; none if they are alike at all torques."""
-    course = misalignment_over_torque(tree)
+    course = mean_misalignment(tree)
     if course is None:
         return []
-    scale = np.array([1.0, 1.0, 1.0, math.degrees(1.0)])
-    rows = zip(course[0].tolist(), (scale * course[1].mean(axis=1)).tolist(), strict=True)
+    rows = zip(course[0].tolist(), course[1].tolist(), strict=True)
     return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
 
 
@@ -324,77 +269,33 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
     The greatest values over segments are over those that carry.
     """
     names = ("torque", "speed", "temperature", "roughness")
-    columns: list[tuple[str, str, float, str]] = [
-        ("mean friction coefficient", "mean_friction_coefficient", 1.0, ".4f"),
-        ("greatest friction coefficient", "friction_coefficient", 1.0, ".4f"),
-        ("greatest sliding [m/s]", "sliding_velocity", 1.0, ".2f"),
-        ("greatest pressure × sliding [MPa m/s]", "max_pressure_velocity", 1.0, ".0f"),
-        ("greatest flash temperature [K]", "max_flash_temperature", 1.0, ".1f"),
-        ("greatest contact temperature [°C]", "max_contact_temperature", 1.0, ".1f"),
-        ("least film [µm]", "min_film_thickness", 1.0, ".3f"),
-        ("power loss [W]", "mean_power_loss", 1.0, ".1f"),
-        ("of it rolling [W]", "mean_rolling_loss", 1.0, ".1f"),
-        ("efficiency [%]", "efficiency", 100.0, ".2f"),
-    ]
-    columns = [column for column in columns if column[1] in friction]
+    columns = {variable: quantity for variable, quantity in FRICTION.items() if variable in friction}
     carries = loaded["pressure"].fillna(0.0) > 0.0
     over = [
         friction[variable].where(carries).max(["mesh_position", "segment"])
         if "segment" in friction[variable].dims
         else friction[variable]
-        for _, variable, *_ in columns
+        for variable in columns
     ]
     shape = tuple(friction.sizes[name] for name in names)
     whole = xr.DataArray(np.ones(shape), dims=names)
-    tables = [
-        factor * (values * whole).transpose(*names).values
-        for values, (_, _, factor, _) in zip(over, columns, strict=True)
-    ]
+    tables = [(values * whole).transpose(*names).values for values in over]
     rows = []
     for at in list(np.ndindex(shape))[:ROW_COUNT_LIMIT]:
         conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
-        cells = [written(float(table[at]), form) for table, (*_, form) in zip(tables, columns, strict=True)]
+        cells = [one.written(float(table[at])) for table, one in zip(tables, columns.values(), strict=True)]
         rows.append([*conditions, *cells])
-    heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(name for name, *_ in columns)]
-    variables = [f"friction/{name}" for name in (*names, *(variable for _, variable, *_ in columns))]
+    heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(quantity.head for quantity in columns.values())]
+    variables = [f"friction/{name}" for name in (*names, *columns)]
     return {"heads": heads, "variables": variables, "rows": rows, "left": math.prod(shape) - len(rows)}
-
-
-def supports_rows(tree: xr.DataTree) -> list[dict[str, Any]]:
-    """Tables of a pair on supports: heads, rows and variables."""
-    return [
-        {
-            "title": table.title,
-            "heads": [_headed(head) for head in table.heads],
-            "rows": [[NO_VALUE if cell == "-" else cell for cell in row] for row in table.rows],
-            "variables": list(table.variables),
-        }
-        for table in supports_tables(tree)
-    ]
 
 
 def load_case_rows(tree: xr.DataTree) -> dict[str, Any]:
     """Tables of an analysis over load cases, means over the duty cycle, and notes."""
-    numbers = tree["load_cases"].to_dataset()
-    tables = []
-    for columns in (input_columns(numbers), result_columns(numbers)):
-        rows = [[NO_VALUE if cell == "-" else cell for cell in row] for row in zip(*columns.values(), strict=True)]
-        variables = [f"load_cases/{variable_of(head)}" for head in columns]
-        tables.append({"heads": [_headed(head) for head in columns], "rows": rows, "variables": variables})
+    tables = [table.page() for table in load_case_tables(tree["load_cases"].to_dataset())]
     duty = duty_lines(tree["duty"].to_dataset()).splitlines() if "duty" in tree.children else []
     notes = [with_signs(printable(note)) for note in load_case_notes(tree)]
     return {"tables": tables, "duty": duty, "notes": notes}
-
-
-def with_signs(text: str) -> str:
-    """Text with the signs of its units, which terminals may lack."""
-    return text.replace(" urad", " µrad").replace(" um", " µm").replace(" degC", " °C")
-
-
-def _headed(head: str) -> str:
-    """Head of a column in one line, with the unit in brackets and its signs."""
-    words = head.replace("\n", " ").replace("urad", "µrad").replace("deg", "°")
-    return re.sub(r" (N m|mm|%|µrad|°|MPa|W|1/min)$", r" [\1]", words)
 
 
 def case_tables(case: Case) -> list[dict[str, Any]]:

@@ -12,8 +12,10 @@ Published sources that a result rests on, by what its attributes say of pair, el
 from __future__ import annotations
 
 import re
+import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from importlib import resources
 from importlib.metadata import version
 from typing import Any
 
@@ -74,203 +76,10 @@ def package() -> PublishedWork:
     return PublishedWork("easeoff", "misc", fields)
 
 
-_ENTRIES = (
-    PublishedWork(
-        "kolivand_2009",
-        "phdthesis",
-        {
-            "author": "M. Kolivand",
-            "title": "Development of Tooth Contact and Mechanical Efficiency Models for Face-Milled and Face-Hobbed "
-            "Hypoid and Spiral Bevel Gears",
-            "school": "The Ohio State University",
-            "year": "2009",
-        },
-    ),
-    PublishedWork(
-        "bibel_1994",
-        "techreport",
-        {
-            "author": "G. D. Bibel and K. Reddy and A. Kumar",
-            "title": "NASA Contractor Report CR-191009",
-            "institution": "NASA",
-            "year": "1994",
-        },
-    ),
-    PublishedWork(
-        "xu_2007",
-        "article",
-        {
-            "author": "H. Xu and A. Kahraman and N. E. Anderson and D. G. Maddock",
-            "title": "Prediction of mechanical efficiency of parallel-axis gear pairs",
-            "journal": "Journal of Mechanical Design",
-            "volume": "129",
-            "year": "2007",
-            "pages": "58-68",
-            "doi": "10.1115/1.2359478",
-        },
-    ),
-    PublishedWork(
-        "benedict_1961",
-        "article",
-        {
-            "author": "G. H. Benedict and B. W. Kelly",
-            "title": "Instantaneous coefficients of gear tooth friction",
-            "journal": "ASLE Transactions",
-            "volume": "4",
-            "year": "1961",
-            "pages": "59-70",
-            "doi": "10.1080/05698196108972420",
-        },
-    ),
-    PublishedWork(
-        "pan_1989",
-        "article",
-        {
-            "author": "P. Pan and B. J. Hamrock",
-            "title": "Simple formulas for performance parameters used in elastohydrodynamically lubricated line "
-            "contacts",
-            "journal": "Journal of Tribology",
-            "volume": "111",
-            "year": "1989",
-            "pages": "246-251",
-            "doi": "10.1115/1.3261900",
-        },
-    ),
-    PublishedWork(
-        "dowson_1966",
-        "book",
-        {"author": "D. Dowson and G. R. Higginson", "title": "Elasto-Hydrodynamic Lubrication", "year": "1966"},
-    ),
-    PublishedWork(
-        "goksem_1978",
-        "article",
-        {
-            "author": "P. G. Goksem and R. A. Hargreaves",
-            "title": "The effect of viscous shear heating on both film thickness and rolling traction in an EHL line "
-            "contact, part I: fully flooded conditions",
-            "journal": "Journal of Lubrication Technology",
-            "volume": "100",
-            "year": "1978",
-            "doi": "10.1115/1.3453183",
-        },
-    ),
-    PublishedWork(
-        "murch_1975",
-        "article",
-        {
-            "author": "L. E. Murch and W. R. D. Wilson",
-            "title": "A thermal elastohydrodynamic inlet zone analysis",
-            "journal": "Journal of Lubrication Technology",
-            "volume": "97",
-            "year": "1975",
-            "doi": "10.1115/1.3452559",
-        },
-    ),
-    PublishedWork(
-        "gupta_1992",
-        "article",
-        {
-            "author": "P. K. Gupta and H. S. Cheng and D. Zhu and N. H. Forster and J. B. Schrand",
-            "title": "Viscoelastic effects in MIL-L-7808-type lubricant, part I: analytical formulation",
-            "journal": "Tribology Transactions",
-            "volume": "35",
-            "year": "1992",
-            "doi": "10.1080/10402009208982117",
-        },
-    ),
-    PublishedWork(
-        "blok_1937",
-        "inproceedings",
-        {
-            "author": "H. Blok",
-            "title": "Theoretical study of temperature rise at surfaces of actual contact under oiliness lubricating "
-            "conditions",
-            "booktitle": "Proc. General Discussion on Lubrication, IMechE",
-            "volume": "2",
-            "year": "1937",
-            "pages": "222-235",
-        },
-    ),
-    PublishedWork(
-        "jaeger_1942",
-        "article",
-        {
-            "author": "J. C. Jaeger",
-            "title": "Moving sources of heat and the temperature at sliding contacts",
-            "journal": "Journal and Proceedings of the Royal Society of New South Wales",
-            "volume": "76",
-            "year": "1942",
-            "pages": "203-224",
-        },
-    ),
-    PublishedWork(
-        "fritsch_1980",
-        "article",
-        {
-            "author": "F. N. Fritsch and R. E. Carlson",
-            "title": "Monotone piecewise cubic interpolation",
-            "journal": "SIAM Journal on Numerical Analysis",
-            "volume": "17",
-            "year": "1980",
-            "pages": "238-246",
-            "doi": "10.1137/0717021",
-        },
-    ),
-    PublishedWork(
-        "archard_1953",
-        "article",
-        {
-            "author": "J. F. Archard",
-            "title": "Contact and rubbing of flat surfaces",
-            "journal": "Journal of Applied Physics",
-            "volume": "24",
-            "year": "1953",
-            "pages": "981-988",
-            "doi": "10.1063/1.1721448",
-        },
-    ),
-)
-WORKS: Mapping[str, PublishedWork] = {work.key: work for work in _ENTRIES}
-
-
-def _article(key: str, author: str, title: str, year: str, doi: str) -> PublishedWork:
-    return PublishedWork(key, "misc", {"author": author, "title": title, "year": year, "doi": doi})
-
-
-#: Works with a DOI as in the bibliography; solvers that are not here have none there.
-SOLVER_WORKS: Mapping[str, tuple[PublishedWork, ...]] = {
-    "clarabel": (
-        _article("goulart_2024", "P. J. Goulart and Y. Chen", "Clarabel", "2024", "10.48550/arXiv.2405.12762"),
-    ),
-    "cvxpy": (_article("agrawal_2019", "A. Agrawal and others", "CVXPY", "2019", "10.48550/arXiv.1910.12430"),),
-    "daqp": (_article("arnstroem_2022", "D. Arnström and others", "DAQP", "2022", "10.1109/TAC.2022.3176430"),),
-    "ecos": (_article("domahidi_2013", "A. Domahidi and others", "ECOS", "2013", "10.23919/ECC.2013.6669541"),),
-    "highs": (_article("huangfu_2018", "Q. Huangfu and J. A. J. Hall", "HiGHS", "2018", "10.1007/s12532-017-0130-5"),),
-    "lemke": (
-        _article(
-            "lemke_1965",
-            "C. E. Lemke",
-            "Bimatrix equilibrium points and mathematical programming",
-            "1965",
-            "10.1287/mnsc.11.7.681",
-        ),
-    ),
-    "osqp": (_article("stellato_2020", "B. Stellato and others", "OSQP", "2020", "10.1007/s12532-020-00179-2"),),
-    "piqp": (_article("schwan_2023", "R. Schwan and others", "PIQP", "2023", "10.1109/CDC49753.2023.10383915"),),
-    "proxqp": (_article("bambade_2022", "A. Bambade and others", "ProxQP", "2022", "10.15607/RSS.2022.XVIII.040"),),
-    "qpalm": (_article("hermans_2022", "B. Hermans and others", "QPALM", "2022", "10.1007/s12532-022-00218-0"),),
-    "quadprog": (
-        _article(
-            "goldfarb_1983",
-            "D. Goldfarb and A. Idnani",
-            "A numerically stable dual method for solving strictly convex quadratic programs",
-            "1983",
-            "10.1007/BF02591962",
-        ),
-    ),
-    "scs": (_article("odonoghue_2021", "B. O'Donoghue", "SCS", "2021", "10.1137/20M1366307"),),
-}
-
+_ENTRIES = tomllib.loads(resources.files(__package__).joinpath("published_works.toml").read_text(encoding="utf-8"))
+#: Keys of works by solver, with a DOI as in the bibliography; solvers that are not here have none there.
+SOLVER_WORKS = {entry.pop("solver"): key for key, entry in _ENTRIES.items() if "solver" in entry}
+WORKS = {key: PublishedWork(key, entry.pop("kind"), entry) for key, entry in _ENTRIES.items()}
 
 #: Keys of works by the attribute and the model that it names.
 MODELS: dict[str, dict[str, tuple[str, ...]]] = {
@@ -386,7 +195,8 @@ def _solvers(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
     for name, number in versions.items() if isinstance(versions, dict) else ():
         solver = shortened(printable(str(name)), TEXT_LENGTH_LIMIT)
         remark = OWN_SOLVER if solver == "native" else ""
-        yield ResultSource("solver", f"{solver} {printable(str(number))}", SOLVER_WORKS.get(solver, ()), remark)
+        works = _works(SOLVER_WORKS[solver]) if solver in SOLVER_WORKS else ()
+        yield ResultSource("solver", f"{solver} {printable(str(number))}", works, remark)
 
 
 def _oil(attributes: Mapping[Any, Any]) -> ResultSource:

@@ -16,7 +16,6 @@ from dataclasses import asdict
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from tabulate import tabulate
 
 from ...geometry.cutting.named_settings import get_setting, setting_step
 from ...geometry.deviation.corrective_settings import EFFECT_LIMIT, CorrectedFlank, Correction
@@ -25,7 +24,8 @@ from ...geometry.deviation.global_errors import angle_errors, fit_global_errors
 from ...geometry.pair.gear_pair import MEMBERS
 from ..case_correction import CaseCorrection
 from ..design.optimization.trust_region import RADIUS_MINIMUM
-from .deflection_report import deflection_notes
+from .deflection_report import ERRORS, deflection_notes
+from .table import Table
 
 SMALL_GAIN = 0.7  # share of the deviation left above which a correction hardly pays
 ROOT_SHARE = 0.2  # of the clearance, a move of the root from which on a warning is given
@@ -51,22 +51,13 @@ def _set_up_lines(name: str, correction: Correction) -> Iterator[str]:
         yield from _error_lines(flank)
     yield ""
     yield "corrective settings"
-    yield tabulate(
-        list(_setting_rows(correction)),
-        headers=["setting", "unit", "designed", "change", "to set"],
-        disable_numparse=True,
-        colalign=("left", "left", "right", "right", "right"),
-    )
-    yield tabulate(
-        [
-            (flank.side, stage, *_sizes(getattr(flank, key)))
-            for flank in correction.flanks
-            for stage, key in (("measured", "before"), ("by derivatives", "linear"), ("cut anew", "after"))
-        ],
-        headers=["flank", "um", "rms", "least", "greatest", "sum of squares"],
-        disable_numparse=True,
-        colalign=("left", "left", "right", "right", "right", "right"),
-    )
+    yield Table(("setting", "unit", "designed", "change", "to set"), list(_setting_rows(correction)), 2).text()
+    sizes = [
+        (flank.side, stage, *_sizes(getattr(flank, key)))
+        for flank in correction.flanks
+        for stage, key in (("measured", "before"), ("by derivatives", "linear"), ("cut anew", "after"))
+    ]
+    yield Table(("flank", "um", "rms", "least", "greatest", "sum of squares"), sizes, 2).text()
     yield (
         f"rms {1e3 * correction.rms_before:.2f} um, after the correction {1e3 * correction.rms:.2f} um, as predicted "
         "on flanks cut anew with the settings to set; a rotation of the tooth is left out"
@@ -108,9 +99,7 @@ def _error_lines(flank: CorrectedFlank) -> Iterator[str]:
         (key, f"{value:+.1f}", f"{60.0 * math.degrees(angles[key]):+.2f}" if key in angles else "")
         for key, value in asdict(fit.errors).items()
     ]
-    yield tabulate(
-        rows, headers=[flank.side, "um", "minutes"], disable_numparse=True, colalign=("left", "right", "right")
-    )
+    yield Table((flank.side, "um", "minutes"), rows).text()
     yield f"rms {fit.rms_before:.2f} um, without these {fit.rms:.2f} um"
 
 
@@ -181,19 +170,13 @@ def modification_report(tree: xr.DataTree) -> str:
     """Report of an optimal modification, from a result of ``modify``."""
     record, surface = tree["optimization"].to_dataset(), tree["modification"].to_dataset()
     extent = np.abs(surface["modification"].values).max()
-    parts = [
-        f"Modification, up to {extent:.1f} um",
-        tabulate(terms(surface), headers=("term", "um"), disable_numparse=True, colalign=("left", "right")),
-    ]
+    parts = [Table(("term", "um"), terms(surface), title=f"Modification, up to {extent:.1f} um").text()]
     torques = [f"{torque:g}" for torque in record["torque"].values]
     for number in range(record.sizes["assembly"]):
         assembly = record.isel(assembly=number)
         rows = [(label, *changes) for _, label, changes in assembly_rows(assembly)]
-        parts.append(f"Before -> after, {assembly_title(assembly, number)}")
-        headers = ("torque [N m]", *torques)
-        parts.append(
-            tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * len(torques)))
-        )
+        title = f"Before -> after, {assembly_title(assembly, number)}"
+        parts.append(Table(("torque [N m]", *torques), rows, title=title).text())
     parts.append("Contact on lines alone, without tooth edges: 'easeoff run' shows what edges carry")
     return "\n\n".join([*parts, *notes(tree)])
 
@@ -249,11 +232,9 @@ def _change(both: np.ndarray, digits: int, arrow: str) -> str:
 
 
 def _errors(here: xr.Dataset) -> str:
-    names = {"E": "offset_error", "P": "pinion_axial_error", "G": "gear_axial_error"}
-    errors = [f"{key} {here[name].item():+g} mm" for key, name in names.items() if here[name].item()]
-    sigma = np.degrees(here["shaft_angle_error"].item())
+    values = {error: error.factor * here[f"{error.name}_error"].item() for error in ERRORS}
+    errors = [error.words(value) for error, value in values.items() if value]
     over_torque = "depends_on_torque" in here and bool(here["depends_on_torque"].item())  # older results lack it
-    errors += [f"Sigma {sigma:+g} deg"] if sigma else []
     return ", ".join([*errors, *(["deflections over the torque"] if over_torque else [])]) or "none"
 
 
@@ -274,11 +255,11 @@ LIMIT_SHARE = 1e-3
 def setting_report(tree: xr.DataTree) -> str:
     """Report of a search for settings, from a result of ``optimize``."""
     record = tree["optimal_settings"].to_dataset()
-    parts = ["Settings", _settings(record), f"Objectives, form {record.attrs['form']}", _objectives(record)]
+    parts = [_settings(record), _objectives(record)]
     if record.sizes["quantity_limit"]:
-        parts += ["Limits", _limits(record)]
+        parts.append(_limits(record))
     if "front" in tree.children:
-        parts += [f"Front; the result holds point {tree['front'].attrs['chosen_point']}", _front(tree)]
+        parts.append(_front(tree))
     return "\n\n".join([*parts, *_search_notes(record)])
 
 
@@ -291,8 +272,7 @@ def _settings(record: xr.Dataset) -> str:
         reach = abs(value - start) * float(one["ease_off_per_setting"])
         at = "at its limit" if limit_flags[number] else ""
         rows.append((name, unit, f"{start:.6g}", f"{value:.7g}", f"{value - start:+.4g}", f"{reach:.0f}", at))
-    headers = ("setting", "unit", "before", "after", "change", "alone [um]", "")
-    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", "left", *["right"] * 4, "left"))
+    return Table(("setting", "unit", "before", "after", "change", "alone [um]", ""), rows, 2, "Settings").text()
 
 
 def _objectives(record: xr.Dataset) -> str:
@@ -301,8 +281,8 @@ def _objectives(record: xr.Dataset) -> str:
         for number, name in enumerate(record["objective"].values.tolist())
         for one in (record.isel(objective=number),)
     ]
-    headers = ("greatest", "before", "after", "worst ratio")
-    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * 3))
+    title = f"Objectives, form {record.attrs['form']}"
+    return Table(("greatest", "before", "after", "worst ratio"), rows, title=title).text()
 
 
 def _limits(record: xr.Dataset) -> str:
@@ -312,8 +292,7 @@ def _limits(record: xr.Dataset) -> str:
         cost = float(one["limit_multiplier"])
         gain = f"{cost:.3g}" if cost > MULTIPLIER_MINIMUM else "-"
         rows.append((name, _number(one["limited_start"]), _number(one["limited_value"]), gain))
-    headers = ("limit", "before", "after", "gain per unit wider")
-    return tabulate(rows, headers=headers, disable_numparse=True, colalign=("left", *["right"] * 3))
+    return Table(("limit", "before", "after", "gain per unit wider"), rows, title="Limits").text()
 
 
 def _front(tree: xr.DataTree) -> str:
@@ -323,7 +302,7 @@ def _front(tree: xr.DataTree) -> str:
         (str(point), *(_number(value) for value in front["front_value"].values[point]))
         for point in range(front.sizes["point"])
     ]
-    return tabulate(rows, headers=("point", *names), disable_numparse=True, colalign=("right", "right", "right"))
+    return Table(("point", *names), rows, 0, f"Front; the result holds point {front.attrs['chosen_point']}").text()
 
 
 def _search_notes(record: xr.Dataset) -> list[str]:

@@ -2,24 +2,47 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from tabulate import tabulate
+
+from ...core.attributes import ordered
+from .table import ROW_COUNT_LIMIT, Table
 
 Array = NDArray[Any]
 
-#: Variables of the group ``misalignment`` by the symbols that people know them by, with the attributes of the root.
-ERRORS = {
-    "E": ("offset", "misalignment_offset_mm"),
-    "P": ("pinion_axial", "misalignment_pinion_axial_mm"),
-    "G": ("gear_axial", "misalignment_gear_axial_mm"),
-    "Sigma": ("shaft_angle", "misalignment_shaft_angle_rad"),
-}
-ROW_COUNT_LIMIT = 40  # of the table
+
+@dataclass(frozen=True)
+class AssemblyError:
+    """An assembly error as people read it, and as results keep it."""
+
+    symbol: str
+    name: str  # of its variable in the group ``misalignment``, and of the key of the case
+    unit: str = "mm"
+    stored_unit: str = "mm"  # of the attribute
+    factor: float = 1.0  # of what is read over what is stored
+
+    @property
+    def attribute(self) -> str:
+        """Attribute of the root of a result with its value without torque."""
+        return f"misalignment_{self.name}_{self.stored_unit}"
+
+    def words(self, value: float, form: str = "+g") -> str:
+        """A value [mm, degree] with symbol and unit."""
+        return f"{self.symbol} {value:{form}} {self.unit}"
+
+
+ERRORS = (
+    AssemblyError("E", "offset"),
+    AssemblyError("P", "pinion_axial"),
+    AssemblyError("G", "gear_axial"),
+    AssemblyError("Sigma", "shaft_angle", "deg", "rad", math.degrees(1.0)),
+)
 
 
 def misalignment_over_torque(tree: xr.DataTree) -> tuple[Array, Array] | None:
@@ -30,51 +53,43 @@ def misalignment_over_torque(tree: xr.DataTree) -> tuple[Array, Array] | None:
     if "misalignment" not in tree.children:  # older results
         return None
     group = tree["misalignment"].to_dataset().sortby("torque")
-    errors = np.stack([group[name].transpose("torque", "mesh_position").values for name, _ in ERRORS.values()], axis=-1)
-    unloaded = np.array([float(tree.attrs[attribute]) for _, attribute in ERRORS.values()])
+    errors = np.stack([ordered(group, error.name, "torque", "mesh_position") for error in ERRORS], axis=-1)
+    unloaded = np.array([float(tree.attrs[error.attribute]) for error in ERRORS])
     if np.all(errors == unloaded):
         return None
     whole = np.concatenate([np.broadcast_to(unloaded, (1, *errors.shape[1:])), errors])
     return np.concatenate([[0.0], group["torque"].values]), whole
 
 
+def mean_misalignment(tree: xr.DataTree) -> tuple[Array, Array] | None:
+    """Torques (t) [N m] and misalignments (t, 4) [mm, degree], means over the mesh cycle; ``None`` as above."""
+    course = misalignment_over_torque(tree)
+    return None if course is None else (course[0], course[1].mean(axis=1) * [error.factor for error in ERRORS])
+
+
+def error_values(attributes: Mapping[Any, Any]) -> dict[AssemblyError, float]:
+    """Assembly errors [mm, degree] in the attributes of a result or sweep."""
+    return {
+        error: error.factor * float(attributes[error.attribute]) for error in ERRORS if error.attribute in attributes
+    }
+
+
 def misalignment_words(attributes: Mapping[Any, Any]) -> str:
     """Misalignment without torque in words, from the attributes of a result; empty if there is none."""
-    return ", ".join(words for words, value in zip(*error_words(attributes), strict=True) if value)
+    return ", ".join(error.words(value) for error, value in error_values(attributes).items() if value)
 
 
-def error_words(attributes: Mapping[Any, Any]) -> tuple[list[str], list[float]]:
-    """Assembly errors in the attributes of a result or sweep, in words, and their values [mm, degree]."""
-    values = {symbol: float(attributes[name]) for symbol, (_, name) in ERRORS.items() if name in attributes}
-    if "Sigma" in values:
-        values["Sigma"] = float(np.degrees(values["Sigma"]))
-    words = [
-        f"{symbol} {f'{value:+g}' if value else '0'} {'deg' if symbol == 'Sigma' else 'mm'}"
-        for symbol, value in values.items()
-    ]
-    return words, list(values.values())
-
-
-def deflection_table(tree: xr.DataTree) -> str:
-    """Table of the mean misalignment of a mesh cycle, a row a torque; empty if it does not depend on the torque."""
-    course = misalignment_over_torque(tree)
+def deflection_tables(tree: xr.DataTree) -> list[Table]:
+    """Table of the mean misalignment of a mesh cycle, a row a torque; none if it does not depend on the torque."""
+    course = mean_misalignment(tree)
     if course is None:
-        return ""
-    torques, errors = course
-    mean = errors.mean(axis=1)
-    mean[:, 3] = np.degrees(mean[:, 3])
+        return []
     rows = [
         (f"{torque:g}", *("0" if value == 0.0 else f"{value:+.4f}" for value in row))
-        for torque, row in zip(torques, mean.tolist(), strict=True)
+        for torque, row in zip(course[0], course[1].tolist(), strict=True)
     ]
-    table = tabulate(
-        rows[:ROW_COUNT_LIMIT],
-        headers=("torque\nN m", "E\nmm", "P\nmm", "G\nmm", "Sigma\ndeg"),
-        disable_numparse=True,
-        colalign=("right",) * 5,
-    )
-    left = len(rows) - ROW_COUNT_LIMIT
-    return f"{table}\n... and {left} more in the group misalignment" if left > 0 else table
+    heads = ("torque\nN m", *(f"{error.symbol}\n{error.unit}" for error in ERRORS))
+    return [Table(heads, rows, 0, "Misalignment over the torque", group="misalignment")]
 
 
 def deflection_notes(tree: xr.DataTree) -> list[str]:

@@ -5,11 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from tabulate import tabulate
-
 from ...geometry.design.blank import BlankDimensions
 from ...geometry.pair.gear_pair import FlankName
 from ..design.design_check import DesignReport, SideReport
+from .table import Table
 
 ANGLES = (
     "pressure_angle",
@@ -20,7 +19,6 @@ ANGLES = (
     "cutter_tilt",
     "cutter_swivel",
 )
-SPACES_ALIGNMENT = ("left", "right", "right", "right")
 MEMBER_ROWS = (
     ("pitch angle [deg]", "pitch_angle"),
     ("face angle [deg]", "face_angle"),
@@ -37,12 +35,12 @@ MEMBER_ROWS = (
 
 def design_report(report: DesignReport) -> str:
     """Report of a design."""
-    parts = ["Blanks", tabulate(list(_blank_rows(report.blank)), headers=("", "pinion", "gear"), disable_numparse=True)]
+    parts = [Table(("", "pinion", "gear"), list(_blank_rows(report.blank)), 3, "Blanks").text()]
     for side, item in report.sides.items():
         parts += [f"{side.capitalize()} side: {remaining_ease_off(item)}", _moved(item), _root(item)]
     if report.spaces is not None:
         head, *rows = report.spaces.rows()
-        parts += ["Teeth and slots", tabulate(rows, headers=head, disable_numparse=True, colalign=SPACES_ALIGNMENT)]
+        parts.append(Table(head, rows, title="Teeth and slots").text())
     return "\n\n".join([*parts, *warning_lines(report)])
 
 
@@ -105,9 +103,4 @@ def _moved(item: SideReport) -> str:
         factor = math.degrees(1.0) if unit.startswith("deg") else 1.0
         values = [f"{factor * value:.5f}" for value in (start, end, end - start)]
         rows.append((f"{name} [{unit}]" if unit else name, *values))
-    return tabulate(
-        rows,
-        headers=("pinion setting", "start", "fitted", "change"),
-        disable_numparse=True,
-        colalign=("left", "right", "right", "right"),
-    )
+    return Table(("pinion setting", "start", "fitted", "change"), rows).text()

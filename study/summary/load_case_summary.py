@@ -5,25 +5,20 @@ Summary of a file of contact problems: what they are of, how many, how large, an
 
 from __future__ import annotations
 
-import textwrap
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from tabulate import tabulate
 
 from ...contact.problem.exchange.problem_file import FORMAT, read_attributes, read_labels, read_problems
 from ...core.errors import printable, shortened
+from .deflection_report import ERRORS, error_values
 from .plausibility import executed_settings
-from .result_summary import WIDTH, doubts, uncertified
+from .result_summary import doubts, uncertified
+from .table import Table, summary_text, underlined
 
-ERRORS = {
-    "E\nmm": ("misalignment_offset", 1.0),
-    "P\nmm": ("misalignment_pinion_axial", 1.0),
-    "G\nmm": ("misalignment_gear_axial", 1.0),
-    "Sigma\ndeg": ("misalignment_shaft_angle", 180.0 / np.pi),
-}
+MISALIGNMENT = {f"{error.symbol}\n{error.unit}": (f"misalignment_{error.name}", error.factor) for error in ERRORS}
 OPERATION = {"speed\n1/min": ("speed", 1.0), "share\n%": ("share", 100.0)}
 RESULTS = {
     "peak to\npeak urad": ("peak_to_peak", "{:.2f}", 1.0),
@@ -39,29 +34,25 @@ RESULTS = {
 
 def load_case_summary(tree: xr.DataTree) -> str:
     """Summary of an analysis over load cases."""
-    numbers = tree["load_cases"].to_dataset()
-    title = textwrap.wrap(str(tree.attrs["title"]), WIDTH) or ["untitled"]
-    parts = [
-        "\n".join(title),
-        "=" * max(map(len, title)),
-        "",
-        _table(input_columns(numbers)),
-        "",
-        _table(result_columns(numbers)),
-    ]
+    tables = load_case_tables(tree["load_cases"].to_dataset())
+    parts = [underlined(str(tree.attrs["title"])), *(table.text() for table in tables)]
     if "duty" in tree.children:
-        parts += ["", duty_lines(tree["duty"].to_dataset())]
-    notes = load_case_notes(tree)
-    return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])
+        parts.append(duty_lines(tree["duty"].to_dataset()))
+    return summary_text(parts, load_case_notes(tree))
 
 
-def input_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
-    """Columns by head of what the load cases are: flank, torque, misalignment, speed and share."""
+def load_case_tables(numbers: xr.Dataset) -> list[Table]:
+    """Tables of what the load cases are, and of their main numbers, a row a load case."""
+    return [_table(_inputs(numbers), 2), _table(_results(numbers), 1)]
+
+
+def _inputs(numbers: xr.Dataset) -> dict[str, list[str]]:
+    """Columns by head: flank, torque, misalignment, speed and share."""
     columns: dict[str, list[str]] = {
         "load case": [str(name) for name in numbers["load_case"].values],
         "flank": [str(name) for name in numbers["flank"].values],
         "torque\nN m": [f"{torque:g}" for torque in numbers["torque"].values],
-        **{head: [f"{factor * v:+.4g}" for v in numbers[name].values] for head, (name, factor) in ERRORS.items()},
+        **{head: [f"{factor * v:+.4g}" for v in numbers[name].values] for head, (name, factor) in MISALIGNMENT.items()},
     }
     for head, (name, factor) in OPERATION.items():
         if name in numbers:
@@ -71,12 +62,12 @@ def input_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
 
 def variable_of(head: str) -> str:
     """Variable of the group ``load_cases`` that a column shows, by its head."""
-    named = {**ERRORS, **OPERATION, **RESULTS}
+    named = {**MISALIGNMENT, **OPERATION, **RESULTS}
     return str(named[head][0]) if head in named else head.partition("\n")[0].replace(" ", "_")
 
 
-def result_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
-    """Columns by head of the main numbers of the load cases."""
+def _results(numbers: xr.Dataset) -> dict[str, list[str]]:
+    """Columns by head of the main numbers."""
     columns: dict[str, list[str]] = {"load case": [str(name) for name in numbers["load_case"].values]}
     for head, (name, words, factor) in RESULTS.items():
         if name in numbers and not np.all(np.isnan(numbers[name].values)):
@@ -86,21 +77,16 @@ def result_columns(numbers: xr.Dataset) -> dict[str, list[str]]:
     return columns
 
 
+def _table(columns: dict[str, list[str]], left: int) -> Table:
+    rows = list(zip(*columns.values(), strict=True))
+    variables = tuple(f"load_cases/{variable_of(head)}" for head in columns)
+    return Table(list(columns), rows, left, variables=variables, form="plain")
+
+
 def _greatest(variable: xr.DataArray) -> Any:
     """Values over the load cases: of both members the greater one."""
     others = [name for name in variable.dims if name != "load_case"]
     return variable.max(others).values
-
-
-def _table(columns: dict[str, list[str]]) -> str:
-    left = ("load case", "flank")
-    return tabulate(
-        list(zip(*columns.values(), strict=True)),
-        headers=list(columns),
-        tablefmt="plain",
-        disable_numparse=True,
-        colalign=tuple("left" if head in left else "right" for head in columns),
-    )
 
 
 def duty_lines(duty: xr.Dataset) -> str:
@@ -146,13 +132,6 @@ WORDS = {
     "checksum": "checksum of the content",
     "easeoff_version": "made by easeoff",
 }
-#: Attributes of the assembly errors, with letter, factor and unit.
-MISALIGNMENT = {
-    "misalignment_offset_mm": ("E", 1.0, "mm"),
-    "misalignment_pinion_axial_mm": ("P", 1.0, "mm"),
-    "misalignment_gear_axial_mm": ("G", 1.0, "mm"),
-    "misalignment_shaft_angle_rad": ("Sigma", 180.0 / np.pi, "deg"),
-}
 TEXT_LIMIT = 100
 
 
@@ -191,14 +170,10 @@ def _misalignment(attributes: dict[str, Any]) -> str:
     """Assembly errors in words; empty if the file does not tell them."""
     if "deflections" in attributes:
         return _text(attributes["deflections"])
-    if not all(name in attributes for name in MISALIGNMENT):
+    known = {key: value for key, value in attributes.items() if isinstance(value, int | float | np.number)}
+    if not all(error.attribute in attributes for error in ERRORS):
         return ""
-    errors = [
-        f"{letter} {float(attributes[name]) * factor:g} {unit}"
-        for name, (letter, factor, unit) in MISALIGNMENT.items()
-        if isinstance(attributes[name], int | float | np.number) and attributes[name]
-    ]
-    return ", ".join(errors) or "none"
+    return ", ".join(error.words(value, "g") for error, value in error_values(known).items() if value) or "none"
 
 
 def _text(value: Any) -> str:

@@ -12,14 +12,13 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from tabulate import tabulate
 
 from ...contact.evaluation.pressure_map import LineEnd
 from ...contact.solvers import Status
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
 from ..result_layout import PATTERN
-from .deflection_report import deflection_notes, deflection_table, misalignment_over_torque, misalignment_words
+from .deflection_report import deflection_notes, deflection_tables, misalignment_over_torque, misalignment_words
 from .plausibility import (
     edge_notes,
     end_notes,
@@ -30,8 +29,8 @@ from .plausibility import (
     supports_notes,
 )
 from .supports_report import added_notes, supports_tables, supports_words
+from .table import ROW_COUNT_LIMIT, WIDTH, Table, summary_text, underlined
 
-WIDTH = 100  # [characters] of the text
 COLUMN_COUNT_LIMIT = 5  # torques side by side
 FRACTIONS = ("lengthwise", "profile")
 NO_AREA = "no area"  # of a pattern: contact at single points, on a single line, or none that is certified
@@ -140,15 +139,11 @@ def loaded_table(numbers: xr.Dataset, positions: int) -> str:
     parts = []
     for first in range(0, torques.size, COLUMN_COUNT_LIMIT):
         columns = slice(first, first + COLUMN_COUNT_LIMIT)
-        headers = ["torque at the pinion [N m]", *(f"{torque:g}" for torque in torques[columns])]
-        body = [(name, *texts[columns]) for name, texts in rows]
-        aligned = ("left", *("right",) * (len(headers) - 1))
-        parts.append(tabulate(body, headers=headers, disable_numparse=True, colalign=aligned, preserve_whitespace=True))
+        heads = ["torque at the pinion [N m]", *(f"{torque:g}" for torque in torques[columns])]
+        parts.append(Table(heads, [(name, *texts[columns]) for name, texts in rows]).text())
     return "\n\n".join(parts)
 
 
-#: Rows of the table of efficiencies; more are counted.
-ROW_COUNT_LIMIT = 40
 #: Share of the power loss outside the range of the friction formula from which numbers have fewer digits.
 ROUGH_SHARE = 0.4
 ROUGH_NOTE = f"with fewer digits: {100 * ROUGH_SHARE:.0f} % and more of the loss are outside the formula's range"
@@ -183,15 +178,9 @@ def efficiencies(friction: xr.Dataset) -> str:
         "efficiency\n%",
         *(["least\nfilm um", "at toe,\nroot %"] if films else []),
     ]
-    shown = rows[:ROW_COUNT_LIMIT]
-    table = tabulate(shown, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
-    left = len(rows) - len(shown)
-    if np.any(beyond):
-        table += f"\n{ROUGH_NOTE}"
-    if np.any(friction["temperature_clamped"].values):
-        table += f"\n{CLAMPED_NOTE}"
-    if left:
-        table += f"\n... and {left} more in the group friction"
+    notes = [ROUGH_NOTE] * bool(np.any(beyond)) + [CLAMPED_NOTE] * bool(np.any(friction["temperature_clamped"].values))
+    table = Table(headers, rows, 0, note="\n".join(notes), group="friction").text()
+    if len(rows) > ROW_COUNT_LIMIT:
         known = sorted((row for row in rows if row[7] != "nan"), key=lambda row: float(row[7]))
         for word, row in zip(("least", "greatest"), known[:1] + known[-1:], strict=False):
             table += f"\n{word} efficiency: {row[7]} % at {row[0]} N m, {row[1]} 1/min, {row[2]} degC, {row[3]} um"
@@ -218,12 +207,10 @@ def contact_temperatures(friction: xr.Dataset) -> str:
     )
     rows = [
         (*_conditions(friction, names, at), rise, f"{whole[at]:.1f}", place, f"{product[at]:.0f}")
-        for at, (rise, place) in list(flash.items())[:ROW_COUNT_LIMIT]
+        for at, (rise, place) in flash.items()
     ]
-    headers = [*CONDITIONS, "flash\nK", "contact\ndegC", "at toe,\nroot %", "greatest p v\nMPa m/s"]
-    table = tabulate(rows, headers=headers, disable_numparse=True, colalign=("right",) * len(headers))
-    left = len(flash) - len(rows)
-    return table + (f"\n... and {left} more in the group friction" if left else "")
+    heads = [*CONDITIONS, "flash\nK", "contact\ndegC", "at toe,\nroot %", "greatest p v\nMPa m/s"]
+    return Table(heads, rows, 0, "Contact temperature", group="friction").text()
 
 
 def _conditions(friction: xr.Dataset, names: tuple[str, ...], at: tuple[int, ...]) -> list[str]:
@@ -347,22 +334,17 @@ def result_summary(tree: xr.DataTree) -> str:
     """Summary of a result of ``analyze`` or ``read_result``."""
     tree = in_memory(tree)
     attrs, numbers = tree.attrs, key_numbers(tree)
-    title = textwrap.wrap(attrs["title"], WIDTH) or ["untitled"]
-    parts = ["\n".join(title), "=" * max(len(line) for line in title), "", aligned(head_rows(tree)), ""]
-    if table := deflection_table(tree):
-        parts += ["Misalignment over the torque", "", table, ""]
-    for supported in supports_tables(tree):
-        parts += [supported.text(), ""]
-    parts += ["Without load", "", unloaded_table(numbers), "", "Under load", ""]
-    parts.append(loaded_table(numbers, tree["loaded"].sizes["mesh_position"]))
+    parts = [underlined(attrs["title"]), aligned(head_rows(tree))]
+    parts += [table.text() for table in (*deflection_tables(tree), *supports_tables(tree))]
+    parts += ["Without load", unloaded_table(numbers)]
+    parts += ["Under load", loaded_table(numbers, tree["loaded"].sizes["mesh_position"])]
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         fed_back = ", fed back to the forces" if "energy_balance" in friction else ""
         from ...friction.operation import named_models
 
         name = f"Friction{fed_back}: {named_models(friction.attrs)}"
-        parts += ["", name, "", efficiencies(friction)]
+        parts += [name, efficiencies(friction)]
         if temperatures := contact_temperatures(friction):
-            parts += ["", "Contact temperature", "", temperatures]
-    notes = result_notes(tree)
-    return "\n".join([*parts, *(["", *(textwrap.fill(note, WIDTH) for note in notes)] if notes else [])])
+            parts.append(temperatures)
+    return summary_text(parts, result_notes(tree))

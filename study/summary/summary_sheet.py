@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import math
-import textwrap
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
-
-from tabulate import tabulate
 
 from ...cases.schema.case_schema import Case, motion_name, usual_name
 from ...cases.schema.cutting_table import FlankSettings
@@ -19,6 +16,7 @@ from ...geometry.pair.gear_pair import FlankName
 from ..design.design_check import case_warnings, unusual_set_ups
 from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of_key
 from .plausibility import execution_note
+from .table import Table, filled
 
 ANGULAR = ("angle", "tilt", "swivel")
 LENGTHS = ("distance", "offset", "base", "point", "radius", "depth", "height")
@@ -31,7 +29,6 @@ SIGNS = (
     "crossing point; hypoid offset, the pinion's spiral angle the greater. Horizontal and vertical: the radial setting "
     "along and across the root line.",
 )
-WIDTH = 100  # [characters] of the notes
 
 
 @dataclass(frozen=True)
@@ -66,19 +63,15 @@ class SummarySheet:
 
     def text(self) -> str:
         """The sheet as text."""
-        parts = [self.title, *(["\n".join(textwrap.fill(note, WIDTH) for note in self.notes)] if self.notes else [])]
-        for heading, (head, *rows) in self.tables.items():
-            table = tabulate(rows, headers=head, disable_numparse=True, colalign=_alignment(len(head)))
-            parts += [heading, table]
-        signs = (textwrap.fill(line, WIDTH) for line in self.signs)
-        return "\n\n".join([*parts, "\n".join(self.effects), *signs]) + "\n"
+        parts = [self.title, *([filled(self.notes)] if self.notes else [])]
+        parts += [Table(head, rows, 2, heading).text() for heading, (head, *rows) in self.tables.items()]
+        return "\n\n".join([*parts, "\n".join(self.effects), *map(filled, [[line] for line in self.signs])]) + "\n"
 
     def page(self) -> str:
         """The sheet as an HTML page that needs nothing else."""
         parts = [f'<p class="note">{escape(note)}</p>' for note in self.notes]
         for heading, (head, *rows) in self.tables.items():
-            table = tabulate(rows, headers=head, disable_numparse=True, tablefmt="html", colalign=_alignment(len(head)))
-            parts += [f"<h2>{escape(heading)}</h2>", table]
+            parts += [f"<h2>{escape(heading)}</h2>", Table(head, rows, 2).in_form("html")]
         effects = "".join(f"<p>{escape(line)}</p>" for line in (*self.effects, *self.signs))
         return PAGE.format(title=escape(self.title), body="\n".join([*parts, effects]))
 
@@ -155,10 +148,6 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
 def effect_line(side: FlankName, effect: float) -> str:
     """Effect [mm] of rounding on the ease-off of a side, in one line."""
     return f"{side}: rounding the settings changes the ease-off by up to {1e3 * effect:.2f} um"
-
-
-def _alignment(columns: int) -> tuple[str, ...]:
-    return ("left", "left", *("right",) * (columns - 2))  # names at the left, numbers at the right
 
 
 def _blanks(case: Case) -> Iterator[tuple[str, ...]]:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from tabulate import tabulate
 
 from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import MEMBERS
-from .deflection_report import misalignment_words
+from .deflection_report import error_values, misalignment_words
+from .table import Table
 
 Array = NDArray[Any]
 
@@ -25,28 +24,10 @@ SHARES = {
     "ease-off": "ease_off_rotation",
 }
 BEARING_COUNT_LIMIT = 5  # side by side
-ROW_COUNT_LIMIT = 40  # of a table as text
 OVER = ("torque", "mesh_position")
 
 
-@dataclass(frozen=True)
-class TorqueTable:
-    """Table with a row a torque."""
-
-    title: str
-    heads: tuple[str, ...]  # unit after a line break
-    rows: tuple[tuple[str, ...], ...]
-    variables: tuple[str, ...]  # of the result
-
-    def text(self) -> str:
-        """The table in characters, with its title."""
-        right = ("right",) * len(self.heads)
-        table = tabulate(self.rows[:ROW_COUNT_LIMIT], headers=self.heads, disable_numparse=True, colalign=right)
-        left = len(self.rows) - ROW_COUNT_LIMIT
-        return f"{self.title}\n\n{table}" + (f"\n... and {left} more in the group supports" if left > 0 else "")
-
-
-def supports_tables(tree: xr.DataTree) -> list[TorqueTable]:
+def supports_tables(tree: xr.DataTree) -> list[Table]:
     """Tables of a pair on supports, means over the mesh cycle: shares of the gear's rotation, and bearing loads."""
     if "supports" not in tree.children:
         return []
@@ -56,11 +37,13 @@ def supports_tables(tree: xr.DataTree) -> list[TorqueTable]:
     parts = [ordered(group, name, *OVER).mean(axis=1) for name in SHARES.values()]
     columns = [_written(whole, ".1f"), *(_written(100.0 * part / whole, ".1f") for part in parts)]
     tables = [
-        TorqueTable(
-            "Rotation of the gear by the load, mean over the mesh cycle",
+        Table(
             ("torque\nN m", "whole\nurad", *(f"{name}\n%" for name in SHARES)),
             tuple(zip(torques, *columns, strict=True)),
-            ("supports/whole_rotation", *(f"supports/{name}" for name in SHARES.values())),
+            0,
+            "Rotation of the gear by the load, mean over the mesh cycle",
+            variables=("supports/whole_rotation", *(f"supports/{name}" for name in SHARES.values())),
+            group="supports",
         )
     ]
     names, radial, axial = bearing_loads(tree)
@@ -68,11 +51,13 @@ def supports_tables(tree: xr.DataTree) -> list[TorqueTable]:
         bearings = range(first, min(first + BEARING_COUNT_LIMIT, len(names)))
         loads = [_both(radial[number].mean(axis=1), axial[number].mean(axis=1)) for number in bearings]
         tables.append(
-            TorqueTable(
-                "Bearing loads in N, radial and axial (positive towards the heel), mean over the mesh cycle",
+            Table(
                 ("torque\nN m", *("\n".join(names[number].split(" ", 1)) for number in bearings)),
                 tuple(zip(torques, *loads, strict=True)),
-                ("supports/bearing_force",),
+                0,
+                "Bearing loads in N, radial and axial (positive towards the heel), mean over the mesh cycle",
+                variables=("supports/bearing_force",),
+                group="supports",
             )
         )
     return tables
@@ -111,15 +96,8 @@ def added_notes(tree: xr.DataTree) -> list[str]:
     if "supports" not in tree.children or "deflections" in tree.attrs:
         return []
     words, table = misalignment_words(tree.attrs), stored_table(tree, "misalignment")
-    alike = all(
-        np.isclose(float(tree.attrs[f"misalignment_{key}_{unit}"]), scale * float(table.get(key, 0.0)))
-        for key, unit, scale in (
-            ("offset", "mm", 1.0),
-            ("pinion_axial", "mm", 1.0),
-            ("gear_axial", "mm", 1.0),
-            ("shaft_angle", "rad", np.radians(1.0)),
-        )
-    )
+    errors = error_values(tree.attrs).items()
+    alike = all(np.isclose(value, float(table.get(error.name, 0.0))) for error, value in errors)
     if not words or not alike:
         return []
     return [

@@ -9,20 +9,17 @@ Table of a V-H check, as text.
 
 from __future__ import annotations
 
-import textwrap
 from collections import Counter
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from tabulate import tabulate
 
 from ...core.errors import InputError, printable
 from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
 from ..sweep.sweep_file import PointStatus
-from .deflection_report import error_words
-from .result_summary import WIDTH
+from .deflection_report import error_values
+from .table import Table, filled, underlined
 
 #: Numbers that are shown, where a sweep has them.
 MAIN_NUMBERS = (
@@ -62,33 +59,13 @@ def outcome(dataset: xr.Dataset) -> str:
     return ", ".join(said)
 
 
-@dataclass(frozen=True)
-class SweepTable:
-    """Table of the report of a sweep."""
-
-    title: str
-    heads: list[str]
-    rows: list[list[str]]
-    names: int = 1  # number of columns on the left that name the row
-    note: str = ""
-
-    def text(self) -> str:
-        """Heading, table and note as text."""
-        aligned = ("left",) * self.names + ("right",) * (len(self.heads) - self.names)
-        table = tabulate(self.rows, headers=self.heads, disable_numparse=True, colalign=aligned)
-        return "\n".join([self.title, "", table, *([textwrap.fill(self.note, WIDTH)] if self.note else [])])
-
-
 def sweep_summary(dataset: xr.Dataset) -> str:
     """Summary of a sweep, from ``sweep`` or ``read_sweep``."""
-    title = textwrap.wrap(sweep_title(dataset), WIDTH) or ["untitled"]
     head = "\n".join(f"{name:<13} {words}" for name, words in sweep_head(dataset))
-    parts = ["\n".join(title), "=" * max(map(len, title)), "", head, "", outcome(dataset)]
+    parts = [underlined(sweep_title(dataset)), head, outcome(dataset)]
     if reasons := failure_reasons(dataset):
-        parts += ["", *(textwrap.fill(line, WIDTH) for line in reasons)]
-    for table in sweep_tables(dataset):
-        parts += ["", table.text()]
-    return "\n".join(parts)
+        parts.append(filled(reasons))
+    return "\n\n".join([*parts, *(table.text() for table in sweep_tables(dataset))])
 
 
 def sweep_title(dataset: xr.Dataset) -> str:
@@ -101,7 +78,7 @@ def shown_numbers(dataset: xr.Dataset) -> list[str]:
     return [name for name in MAIN_NUMBERS if name in numbers(dataset) and bool(dataset[name].notnull().any())]
 
 
-def sweep_tables(dataset: xr.Dataset) -> list[SweepTable]:
+def sweep_tables(dataset: xr.Dataset) -> list[Table]:
     """Tables of a sweep: percentiles, sensitivities and worst points; none without a certified point."""
     known = shown_numbers(dataset)
     if not known:
@@ -117,9 +94,9 @@ def sweep_head(dataset: xr.Dataset) -> list[tuple[str, str]]:
     attrs = dataset.attrs
     if "flank" in attrs and "flank" not in swept:
         rows.append(("flank", f"{attrs['flank']}, held"))
-    words, _ = error_words(attrs)
-    if words:
-        rows.append(("misalignment", f"{', '.join(words)}, held"))
+    if errors := error_values(attrs):
+        words = ", ".join(error.words(value, "+g" if value else ".0f") for error, value in errors.items())
+        rows.append(("misalignment", f"{words}, held"))
     for name in ("deflections", "supports"):
         if said := str(attrs.get(name, "")):
             rows.append((name, printable(said)))
@@ -168,7 +145,7 @@ def _cases(variable: xr.DataArray) -> list[tuple[dict[Any, int], str]]:
     return cases
 
 
-def _percentile_table(dataset: xr.Dataset, names: list[str]) -> SweepTable:
+def _percentile_table(dataset: xr.Dataset, names: list[str]) -> Table:
     reduced = percentiles(dataset, SHOWN_PERCENT, names)
     rows = []
     for name in names:
@@ -178,12 +155,12 @@ def _percentile_table(dataset: xr.Dataset, names: list[str]) -> SweepTable:
             shown = values.isel(dict.fromkeys(extra, 0)).values
             rows.append([name, reduced[name].attrs.get("units", ""), words, *(f"{value:.4g}" for value in shown)])
     heads = ["number", "unit", "at", "least", "5 %", "median", "95 %", "greatest"]
-    return SweepTable("Percentiles over the points", heads, rows, 3)
+    return Table(heads, rows, 3, "Percentiles over the points")
 
 
-def _sensitivity_tables(dataset: xr.Dataset) -> list[SweepTable]:
+def _sensitivity_tables(dataset: xr.Dataset) -> list[Table]:
     """Tables of first-order sensitivities, one a number; the first says what the columns are."""
-    tables: list[SweepTable] = []
+    tables: list[Table] = []
     for name in SENSITIVE_NUMBERS:
         try:
             sensitivity = sensitivities(dataset, name)
@@ -211,7 +188,7 @@ def _sensitivity_tables(dataset: xr.Dataset) -> list[SweepTable]:
             heads, rows = heads[:-1], [row[:-1] for row in rows]
         where = f" at {words}" if words else ""
         title = f"First-order sensitivities of {name}{where}"
-        tables.append(SweepTable(title, heads, rows, 1, "" if tables else SENSITIVITY_NOTE))
+        tables.append(Table(heads, rows, 1, title, "" if tables else SENSITIVITY_NOTE))
     return tables
 
 
@@ -222,7 +199,7 @@ def _per(units: str, unit: str) -> str:
     return f"{units}/{unit}" if "/" not in unit else f"{units}/({unit})"
 
 
-def _worst(dataset: xr.Dataset) -> list[SweepTable]:
+def _worst(dataset: xr.Dataset) -> list[Table]:
     """Points with the greatest pressure."""
     name = WORST_NUMBER
     if name not in numbers(dataset):
@@ -237,7 +214,7 @@ def _worst(dataset: xr.Dataset) -> list[SweepTable]:
     heads = [
         f"{one} [{unit}]" if unit not in ("", "1") else one for one, unit in zip((*columns, name), units, strict=True)
     ]
-    return [SweepTable(f"Points with the greatest {name}", heads, rows, len(columns))]
+    return [Table(heads, rows, len(columns), f"Points with the greatest {name}")]
 
 
 def _word(value: Any) -> str:
@@ -272,9 +249,7 @@ SIGNS = ("V positive: the offset grows (E)", "H positive: pinion away from the c
 
 def vh_table(found: xr.Dataset) -> str:
     """V and H at toe, middle and heel with the patterns there, their totals, and why a place was not reached."""
-    table = tabulate(vh_rows(found), headers=HEADERS, disable_numparse=True, colalign=("left", *("right",) * 6))
-    lines = [table, *reasons(found), "", totals(found)]
-    return "\n".join(lines)
+    return "\n".join([Table(HEADERS, vh_rows(found)).text(), *reasons(found), "", totals(found)])
 
 
 def vh_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
