@@ -40,7 +40,7 @@ def netcdf_to_oneself() -> Iterator[None]:
 
 
 def in_forked_process(work: Callable[[], Result]) -> Result:
-    """Result, which must pickle, of a function called in a copy of this process; on Windows and in browsers in this one.
+    """Result, which must pickle, of a function called in a copy of this process; in this one on Windows and browsers.
 
     No other thread is inside netCDF and HDF5 while the copy is made. An InputError passes; a crash, any other exception
     and the limits of time raise ProcessEndedError.
