@@ -71,8 +71,8 @@ def __getattr__(name: str) -> Any:
 
 def _hint(name: str) -> str:
     """Where a name of a sub-package is, or the nearest name, as the end of a phrase."""
-    if name.startswith("_"):
-        return ""
+    if name.startswith("_") or __name__ != "easeoff":
+        return ""  # a test runner asks an unpacked source distribution, where nothing is compiled, for names of its own
     wanted = {"report": "write_report"}.get(name, name)
     for folder in _FOLDERS:
         if wanted in import_module(f".{folder}", __name__).__all__:

@@ -92,7 +92,8 @@ class BuildKernels(build_ext):
         )
         ext.sources, ext.depends = found.sources, []
         ext.extra_compile_args = FLAGS.get(self.compiler.compiler_type, [])
-        ext.extra_link_args = ["-s"] if sys.platform == "linux" else []  # no names of functions: smaller
+        linux = self.plat_name.startswith("linux")  # not that of the build where it is for another system
+        ext.extra_link_args = ["-s"] if linux else []  # no names of functions: smaller
         super().build_extension(ext)
         ext.sources = [str(source)]
 

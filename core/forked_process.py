@@ -8,6 +8,7 @@ import os
 import pickle
 import selectors
 import signal
+import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator
@@ -39,12 +40,12 @@ def netcdf_to_oneself() -> Iterator[None]:
 
 
 def in_forked_process(work: Callable[[], Result]) -> Result:
-    """Result, which must pickle, of a function called in a copy of this process; on Windows in this one.
+    """Result, which must pickle, of a function called in a copy of this process; in this one on Windows and browsers.
 
     No other thread is inside netCDF and HDF5 while the copy is made. An InputError passes; a crash, any other exception
     and the limits of time raise ProcessEndedError.
     """
-    if not hasattr(os, "fork"):
+    if not hasattr(os, "fork") or sys.platform == "emscripten":  # there it is a name alone
         return work()
     with netcdf_to_oneself(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # other threads, of which the copy uses nothing

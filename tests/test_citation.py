@@ -73,6 +73,19 @@ def test_citation_file_says_what_project_licence_and_command_say() -> None:
     fields = WORKS["kolivand_2009"].fields
     assert (thesis["title"], str(thesis["year"])) == (fields["title"], fields["year"])
     assert thesis["institution"]["name"] == fields["school"]
+    assert CITATION["repository-code"] == PROJECT["urls"]["Repository"]
+
+
+def test_archive_is_told_what_the_citation_file_says() -> None:
+    """Zenodo takes the second file in place of the first."""
+    archived = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
+    assert archived["creators"] == CITATION["authors"]
+    for name in ("title", "version", "keywords"):
+        assert archived[name] == CITATION[name], name
+    assert archived["license"] == CITATION["license"].lower()
+    assert archived["description"] == f"<p>{CITATION['abstract']}</p>"
+    (thesis,), (reference,) = CITATION["references"], archived["references"]
+    assert all(part in reference for part in (thesis["title"], thesis["institution"]["name"], str(thesis["year"])))
 
 
 def test_text_and_bibtex_name_program_and_dissertation() -> None:

@@ -51,7 +51,7 @@ READING_ORDER = {
         "": ["contact_problems", "problem_files", "solvers", "problem_library", "compare", "parametric", "half_space"]
     },
     "python/index": {
-        "": ["recipes", "derivatives", "examples/index"],
+        "": ["recipes", "derivatives", "examples/index", "compatibility", "browsers"],
         "Reference": [f"api/{name}" for name in PACKAGES],
     },
     "how_it_works/index": {

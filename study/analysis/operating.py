@@ -17,8 +17,8 @@ from .contact_analysis import case_torques
 
 if TYPE_CHECKING:
     from ...cases.schema.friction_table import FrictionTable
-    from ...friction import FrictionModel, Lubricant, Operation
     from ...core.arrays import Array
+    from ...friction import FrictionModel, Lubricant, Operation
     from ...friction.operation import Numbers, Roughness
 
 Part = TypeVar("Part")

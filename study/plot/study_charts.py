@@ -97,7 +97,7 @@ def drawn_numbers(dataset: xr.Dataset) -> list[str]:
     """Numbers of a sweep that are drawn unless others are asked for. Raises as ``pictures``."""
     names = [name for name in DRAWN if name in numbers(dataset) and bool(dataset[name].notnull().any())][:PANEL_LIMIT]
     if not names:
-        raise InputError("the sweep has no point with numbers: there is nothing to draw_sweep")
+        raise InputError("the sweep has no point with numbers: there is nothing to draw")
     return names
 
 
