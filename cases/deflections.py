@@ -10,8 +10,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import array, frozen_arrays, one_of, words
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
@@ -20,7 +20,6 @@ from .schema.usual_torques import TORQUE_LIMIT
 if TYPE_CHECKING:
     from ..geometry.pair.gear_pair import FlankName
 
-Array = NDArray[Any]
 
 #: Fields of ``Misalignment`` by the symbols of assembly errors.
 ERROR_FIELDS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}

@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -22,12 +21,12 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.spatial import Delaunay
 
+from ..core.arrays import Array
 from ..core.checks import frozen_arrays
 from ..core.errors import GeometryError, InputError
 from ..geometry.pair.gear_pair import MEMBERS
 from .lines.flank_splines import FlankSplines, fit
 
-Array = NDArray[Any]
 GRID = ("lengthwise", "profile")
 SPLINE_DEGREE = 3  # of the field on a flank that the samples of an engagement are brought onto
 SPLINE_INTERVALS = (16, 10)  # lengthwise and up the profile

@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.attributes import labelled, ordered
 from ..core.checks import array
 from ..core.process_settings import one_blas_thread
@@ -28,8 +28,6 @@ from .problem.certificate import CERTIFICATE_FIELDS, CERTIFICATE_LIMITS
 from .problem.contact_problem import ContactProblem
 from .segments import CycleSegments, HeldMembers, Segments
 from .solvers import ContactSolution, SolverChoice, Status
-
-Array = NDArray[Any]
 
 EXTREME_ROUNDS = 6
 WINDOW = 4  # samples on either side of an extreme that its place is estimated from

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import array, check_fields, instance, instances, truth, whole
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from .supports.support import LoadedSupports
     from .supports.supported_contact import SupportedContact
 
-Array = NDArray[Any]
 #: Splines on which neither contact lines nor compliance depend.
 GAP_FIELDS = {"ease_off_angle", "lever_arm", *SEPARATION_FIELDS, *PASSING_FIELDS}
 

@@ -9,18 +9,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.attributes import ordered
 from ..core.checks import frozen_arrays
 from ..geometry.pair.gear_pair import PairGeometry, first_contact
 from .lines.flank_splines import FlankSplines, fit
 from .problem.modal_basis import ModalBasis, with_shared_modes
 
-Array = NDArray[Any]
 ROTATION_LENGTH = 100.0  # [mm]; makes rotations comparable with translations, matters for rounding alone
 DROPPED_SHARE = 1e-15  # of the greatest eigenvalue of the compliance
 

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from .lines.mesh_lines import MeshLines
 from .lines.touching_points import TouchingPoints, least, refined, touching_points
 from .lines.turned_flanks import TurnedFlanks
-
-Array = NDArray[Any]
 
 ENVELOPE_REFINEMENT = 16  # rotations between two mesh positions at which the envelope is taken
 NEIGHBOUR_DISTANCE_LIMIT = 0.2  # fraction of the flank; points farther apart do not belong to one course of the contact

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import frozen_arrays
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance.elastic_model import ElasticTeeth, Loads, UnitLoads, member_points, unit_loads
@@ -26,7 +26,6 @@ from .mesh_wrench import MeshWrenches, SupportModes
 from .problem.contact_problem import ContactProblem
 from .problem.modal_basis import ModalBasis
 
-Array = NDArray[Any]
 MATERIAL_DEPTH_MINIMUM = 0.05  # [mm]; nearer to a sharp edge than this there is no half space for a line contact
 RELATIVE_CURVATURE_MINIMUM = 1e-5  # [1/mm]; flanks that fit closer make no line contact
 #: Points (2, 2, 5) in the middle of the height of toe and heel.

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..core.attributes import labelled
 from ..core.checks import instance, instances
@@ -19,7 +16,6 @@ from .lines.flank_splines import FlankSplines
 from .loaded import LoadedCase
 from .solvers import Status
 
-Array = NDArray[Any]
 LENGTHWISE_STATION_COUNT = 41
 
 

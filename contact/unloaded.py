@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.attributes import flag_attributes, labelled
 from ..core.checks import instance, positive
 from ..core.errors import GeometryError
@@ -21,7 +21,6 @@ from .lines.turned_flanks import BOUNDS, TurnedFlanks
 from .loaded import continuous_range, harmonics, rms
 from .pair_errors import PairErrors, smallest
 
-Array = NDArray[Any]
 #: Edges and, at the end of the blade's profile, where the flank ends as at its root.
 FLANK_ENDS = (*BOUNDS[:8], "gear_root", "pinion_root")
 PEAK_TOLERANCE = 0.02  # [urad]; between the estimated peak of a kink and the error there

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..cases.analysis_size import AnalysisSize
 from ..cases.deflection_table import MisalignmentSource
@@ -22,6 +21,7 @@ from ..cases.load_cases import has_own_misalignment, load_case_misalignment, rea
 from ..cases.schema.case_schema import Case
 from ..cases.schema.load_case_table import LoadCase, named_load_cases
 from ..contact.solvers import Status
+from ..core.arrays import Array
 from ..core.attributes import StoredStatus, labelled
 from ..core.checks import array, distinct, instance, one_of, positive
 from ..core.errors import EaseoffError, InputError
@@ -42,7 +42,6 @@ from .result_layout import RESULT_SCHEMA_VERSION
 if TYPE_CHECKING:
     from ..friction import FrictionModel, Lubricant
 
-Array = NDArray[Any]
 
 #: Life factors of case-hardened steel, ISO 6336-2 and -3: at fewer cycles and at the knee. Pitting stress grows with
 #: the root of the torque, root stress with the torque.

@@ -20,13 +20,13 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..cases.deflection_table import MisalignmentSource
 from ..cases.schema.case_schema import Case, ComplianceTable
 from ..contact.evaluation.flank_region import ProjectionPlane
 from ..contact.evaluation.marking_print import PRINT_GRID, checked_thickness
 from ..contact.evaluation.unloaded_pattern import UnloadedPattern
+from ..core.arrays import Array
 from ..core.attributes import StoredStatus, labelled
 from ..core.checks import frozen_arrays, number, two_whole, whole
 from ..core.errors import GeometryError
@@ -39,7 +39,6 @@ from .case_in_mesh import CaseInMesh, FlanksInMesh, case_attributes, checked_cas
 from .deviation_source import Deviated, Source
 from .progress import shows_progress, told
 
-Array = NDArray[Any]
 #: Centre of the pattern (2) [mm], along the face and the profile, at displacements V and H (2) [mm]; NaN for none.
 Centre = Callable[[Array], Array]
 

@@ -13,7 +13,6 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -27,6 +26,7 @@ from ..contact.archard_wear import Engagement, engagement, integral, on_flank, r
 from ..contact.lines.flank_splines import FlankSplines
 from ..contact.mesh_cycle import MeshCycle
 from ..contact.solvers import Status
+from ..core.arrays import Array
 from ..core.attributes import labelled
 from ..core.checks import instance, number, positive, whole
 from ..core.errors import GeometryError, InputError, time_in_words
@@ -163,7 +163,6 @@ def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
 
 __all__ = ["WearLaw", "wear"]
 
-Array = NDArray[Any]
 WEAR_NODES = (49, 33)  # of either flank
 CONTACT_LOST, NOT_SOLVED = "contact lost", "contact not solved"  # how the reason of a stop before its time begins
 

@@ -16,6 +16,7 @@ import easeoff
 from easeoff import GeometryError, InputError, plot
 from easeoff.cases import case_toml, gear_pair, read_case, write_case
 from easeoff.cases.schema.case_schema import Case
+from easeoff.core.arrays import RealArray as Array
 from easeoff.geometry import (
     GlobalErrors,
     corrective_settings,
@@ -57,7 +58,6 @@ from easeoff.verification.correction_loop import (
     GENERATED,
     SIDES,
     TILTED,
-    Array,
     greatest,
     grids,
     loop_case,

@@ -25,7 +25,6 @@ contact the gap is half the relative curvature times the distance squared, the c
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -36,6 +35,7 @@ from ..contact.lines.contact_lines import contact_splines
 from ..contact.lines.flank_splines import FlankSplines
 from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
+from ..core.arrays import Array
 from ..core.checks import frozen_arrays, instance
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.curvature import Curvatures
@@ -46,8 +46,6 @@ from ..geometry.pair.ease_off import EaseOff
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.vectors import column, cross, dot, rotate
 from .smallest_gap import limited_newton
-
-Array = NDArray[Any]
 
 
 @frozen_arrays

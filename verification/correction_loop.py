@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..cases.conversion import gear_pair
 from ..cases.reading import read_case
 from ..cases.schema.case_schema import Case
+from ..core.arrays import RealArray as Array
 from ..core.checks import frozen_arrays, instance, number, positive
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.cutting.named_settings import get_setting, with_settings
@@ -26,8 +26,6 @@ from ..geometry.tooth.tooth_flanks import MemberName, Side, named_member, side
 from ..geometry.vectors import rotate_z
 from ..study.case_correction import CaseCorrection, correct_case
 from .envelope_condition import distance_along_normals
-
-Array = NDArray[np.float64]
 
 SIDES: tuple[Side, ...] = ("concave", "convex")
 # Errors of machines [mm, rad], some of settings that the correction does not move.

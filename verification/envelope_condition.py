@@ -21,8 +21,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..core.checks import frozen_arrays, instance
 from ..core.errors import GeometryError
 from ..geometry.cutting.blade import Blade, BladeSection
@@ -32,8 +32,6 @@ from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.flanks.flank import Flank, on_parts, seed_lattice
 from ..geometry.newton import complex_steps, solve
 from ..geometry.vectors import cross, dot
-
-Array = NDArray[Any]
 
 
 def cutter_position(

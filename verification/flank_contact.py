@@ -21,17 +21,16 @@ Lines of a solved contact without the split: the greatest pressure and the line 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import scipy.linalg
-from numpy.typing import NDArray
 
 from ..contact.compliance.half_space_cells import even_pressure_integral
 from ..contact.compliance.material import Material
 from ..contact.lines.mesh_lines import MeshLines
 from ..contact.problem.contact_problem import ContactProblem
 from ..contact.solvers import ContactSolution, solve
+from ..core.arrays import Array
 from ..core.checks import frozen_arrays, instance, instances, positive, truth, whole
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.gear_pair import GearPair
@@ -39,8 +38,6 @@ from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import LatticeSize
 from .flank_response import THROUGH_BRICKS, FlankResponse
 from .surface_cells import FlanksInMesh, SurfaceCells, cells_on_line
-
-Array = NDArray[Any]
 
 
 def half_space_compliance(cells: SurfaceCells, materials: tuple[Material, Material]) -> Array:

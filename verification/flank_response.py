@@ -29,7 +29,6 @@ smooth. At every other node u = v; at the loaded one, with b = 0 there, v is wha
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,12 +38,11 @@ from ..contact.compliance.finite_elements.array_store import kept, key_of
 from ..contact.compliance.finite_elements.elastic_body import COLUMNS_PER_SOLVE, elastic_body, quadratic, stiffness
 from ..contact.compliance.finite_elements.finite_element_tooth import filling
 from ..contact.compliance.material import Material
+from ..core.arrays import Array
 from ..core.checks import frozen_arrays, instance
 from ..geometry.pair.gear_pair import GearPair
 from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import LatticeSize, LatticeSpacing, ToothLattice, tooth_lattice, with_middles
-
-Array = NDArray[Any]
 
 
 def point_force_displacement(offset: Array, inward: Array, material: Material) -> Array:

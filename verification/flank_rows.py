@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.arrays import Array
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.flanks.curvature import principal_curvatures
@@ -16,7 +15,6 @@ from .conventional_analysis import directional_curvatures
 from .envelope_condition import envelope_condition
 from .verification_row import VerificationRow, not_applicable
 
-Array = NDArray[Any]
 POSITION_LIMIT = 1e-11  # of the outer cone distance: 1e-9 mm at 100 mm
 NORMAL_LIMIT = 1e-10  # [rad]
 CURVATURE_LIMIT = 1e-8  # of the greater curvature

@@ -8,16 +8,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..cases.schema.case_schema import Case
 from ..contact.evaluation.pressure_map import LineEnd
 from ..contact.loaded import LoadedCase
 from ..contact.solvers import SOLVERS, available_solvers, solve
+from ..core.arrays import Array
 from ..study.analysis.key_numbers import key_numbers
 from .flank_rows import greatest
 from .surface_cells import segment_gaps
@@ -99,7 +98,6 @@ def _apart(cases: list[LoadedCase], name: str, *, polish: bool) -> tuple[int, fl
     return len(ratios), greatest(np.array(ratios) - 1.0) if len(ratios) == len(cases) or not polish else float("nan")
 
 
-Array = NDArray[Any]
 GRID_FACTOR, SEGMENTS_FACTOR, POSITIONS_FACTOR, MODES_FACTOR, FINENESS_FACTOR = 1.5, 2.0, 2.0, 1.4, 1.4
 #: Numbers that tell the state of the solution, or look at the nodes on the common flank, whose border lies between
 #: nodes; and of the greatest pressure all but its value: between two that are nearly as great its place jumps.

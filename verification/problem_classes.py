@@ -10,12 +10,11 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..contact.problem.contact_problem import ContactProblem
+from ..core.arrays import RealArray as Array
 from ..core.checks import one_of, whole
 
-Array = NDArray[np.float64]
 ProblemClass = Callable[[np.random.Generator], ContactProblem]
 
 #: Local compliance of a segment [mm/N], order of magnitude.

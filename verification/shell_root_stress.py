@@ -22,10 +22,8 @@ from __future__ import annotations
 
 import math
 from math import perm
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..contact.compliance import Shell
 from ..contact.compliance.shell import root_shapes
@@ -45,10 +43,9 @@ from ..contact.compliance.shell_kinematics import (
     RootTerm,
     StrainTerm,
 )
+from ..core.arrays import Array
 from ..core.checks import array, instance, number, positive
 from ..core.errors import InputError
-
-Array = NDArray[Any]
 
 
 def root_section_forces(shell: Shell, arc: Array, load_vectors: Array) -> Array:

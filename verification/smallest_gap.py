@@ -17,12 +17,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ..core.arrays import Array
 from ..core.checks import array, frozen_arrays, instance
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.flank import Flank, NodeStatus, deepest, pick, seed_lattice, solve_flank
@@ -30,8 +30,6 @@ from ..geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule, so
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.gear_pair import Member, PairGeometry
 from ..geometry.vectors import column, cross, dot, rotate
-
-Array = NDArray[Any]
 
 FIELD_NODES = (41, 31)  # of the gear flank, from which the search inside starts
 EDGE_NODES = 81  # of every edge

@@ -9,7 +9,6 @@ Gap of potential contact segments against that of the turned flanks, on contact 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +18,13 @@ from ..contact.lines.contact_lines import arc_length, contact_splines
 from ..contact.lines.flank_splines import FlankSplines
 from ..contact.loaded import LoadedCase
 from ..contact.mesh_cycle import MeshCycle
+from ..core.arrays import Array
 from ..core.checks import frozen_arrays
 from ..geometry.flanks.flank import solve_flank
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, PairGeometry, pair_geometry
 from .smallest_gap import FlankGap, flank_gap
 
-Array = NDArray[Any]
 FACING_COSINE_LIMIT = 0.9  # smallest cosine between the normals of flanks that meet
 
 

@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,14 +29,13 @@ from ..contact.compliance.finite_elements.elastic_body import Substructures, ela
 from ..contact.compliance.finite_elements.flank_compliance import flank_loads, foot_displacements
 from ..contact.compliance.finite_elements.tooth_ring import pitch_angle
 from ..contact.compliance.material import Material
+from ..core.arrays import Array
 from ..core.checks import frozen_arrays, instance, number, whole
 from ..geometry.tooth.tooth_lattice import ToothLattice, with_middles
 from ..geometry.vectors import rotate_z
 
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
-
-Array = NDArray[Any]
 
 
 @frozen_arrays

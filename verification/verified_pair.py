@@ -8,12 +8,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..cases.conversion import misalignment as case_misalignment
 from ..cases.deflection_table import MisalignmentSource, misalignment_of
 from ..cases.deflections import misalignment_at
 from ..cases.schema.case_schema import Case
+from ..core.arrays import Array
 from ..core.checks import frozen_arrays
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
@@ -21,8 +21,6 @@ from ..geometry.pair.gear_pair import FlankName
 from ..study.analysis.contact_analysis import Analysis, case_torques, contact_analysis, in_assembly_under_load
 from ..study.case_in_mesh import CaseInMesh
 from .surface_cells import FlanksInMesh, flanks_of
-
-Array = NDArray[Any]
 
 
 @frozen_arrays

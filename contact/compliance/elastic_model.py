@@ -12,12 +12,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.checks import check_fields, frozen, frozen_arrays, instances, positive, two_whole
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
@@ -31,7 +32,6 @@ from .material import Material
 from .shell import Shell
 from .tooth_dimensions import ToothDimensions
 
-Array = NDArray[Any]
 DROPPED_SHARE = 1e-8  # of the greatest eigenvalue: shared modes below, which change no digit of a result, are left out
 EIGENVALUE_RATIO_LIMIT = 1e-12  # of the greatest: what is below is rounding
 

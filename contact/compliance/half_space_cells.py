@@ -10,17 +10,13 @@ Q. Wang, G. Liu, Wear 243 (2000) 101-111, doi 10.1016/S0043-1648(00)00427-0.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 from scipy.fft import irfft2, next_fast_len, rfft2
 from scipy.sparse.linalg import LinearOperator
 
+from ...core.arrays import Array
 from ...core.checks import array, instances, two_whole
 from .material import Material
-
-Array = NDArray[Any]
 
 
 class HalfSpaceCompliance(LinearOperator):

@@ -53,16 +53,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ..lines.flank_splines import FlankSplines
 from .material import Material
-
-Array = NDArray[Any]
 
 EVEN_LOAD_DEFLECTION = 0.16  # [q (1 - nu^2) / E], under an even line load
 SPREAD_PER_DEPTH = 1.69  # standard deviation of the Gaussian over the depth of the mid-surface

@@ -7,11 +7,11 @@ alone: two derivatives a member and point, which serve all settings.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
 from ..compliance.finite_elements.flank_compliance import FlankCompliance
@@ -21,8 +21,6 @@ from ..lines.flank_splines import SLOPES
 from ..lines.mesh_lines import LoadedPlaces
 from ..segments import LineSegments, end_loads_at
 from .segment_slopes import FieldDirections, SegmentSlopes, on_member
-
-Array = NDArray[Any]
 
 POINT_STEP = 1e-7  # fraction of the flank; shape functions are quadratic between borders, few of which are so near
 END_STEP_SHARE = 0.05  # of the usual steps: unit loads of free ends fall off in hundredths of a millimetre

@@ -6,18 +6,16 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ..lines.monotone_cubic import MonotoneCubic
 from .tooth_passage import ToothPassage, tooth_passage
 
-Array = NDArray[Any]
 FINE_STEP_COUNT = 32  # between two mesh positions
 
 

@@ -18,12 +18,11 @@ smoothly with settings and torque, also where further segments begin to touch.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import labelled, ordered
 from ..compliance.weber_line_contact import WeberLineContact
 from ..lines.contact_lines import boundary_distance
@@ -38,7 +37,6 @@ from .marking_print import MarkingPrint, least_gap
 from .pressure_map import PRESSURE_TOLERANCE, LineEnd, PressurePlace, pressure_map
 from .tooth_passage import tooth_passage
 
-Array = NDArray[Any]
 PATH = ("path_lengthwise", "path_profile")
 
 

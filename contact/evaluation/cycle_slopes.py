@@ -24,8 +24,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import labelled, ordered
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
@@ -53,8 +53,6 @@ from .segment_slopes import (
     unloaded_numbers,
 )
 from .unloaded_slopes import UnloadedSlopes, unloaded_slopes
-
-Array = NDArray[Any]
 
 SIZE_STEP = 1e-5  # relative, of the sizes of a line contact in a difference of its deflection
 OVERHANG_STEP = 1e-7  # [mm], of the distance beyond an edge in such a difference; strips are some hundredths wide

@@ -8,17 +8,15 @@ There the flank is a quadrangle and its grid is bilinear, so that its corners de
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.checks import frozen_arrays
 from ...geometry.tooth.tooth_flanks import MemberName
-
-Array = NDArray[Any]
 
 
 @frozen_arrays

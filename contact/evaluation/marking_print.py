@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays, number
 from ...core.errors import InputError
 from ...core.kernels import kernel
@@ -18,9 +19,6 @@ from ..lines.contact_lines import BOUNDARY_FIELDS, curvature_and_skew, distance_
 from ..lines.flank_splines import FlankSplines
 from .carrying_error import CarryingError
 from .flank_region import FlankRegion, ProjectionPlane, grid_triangles, region_below
-
-Array = NDArray[Any]
-
 
 least_beside = kernel(".least_gap_kernel", __package__).least_beside
 PRINT_GRID = (241, 121)  # points along the face and the profile

@@ -13,16 +13,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import StoredStatus, ordered
 from ..lines.flank_splines import FlankSplines
-
-Array = NDArray[Any]
 
 PRESSURE_TOLERANCE = 1e-4  # over the greatest pressure of a line; less is rounding of a solver
 TIE_TOLERANCE = 1e-9  # over the length of a line

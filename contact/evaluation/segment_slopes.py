@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.errors import GeometryError
 from ...geometry.newton import cramers_rule
 from ...geometry.pair.gear_pair import MEMBERS
@@ -38,8 +39,6 @@ from ..loaded import HARMONIC_ORDER_COUNT, LoadedCase, rotation_numbers
 from ..pair_errors import ENVELOPE_REFINEMENT
 from ..segments import DEPTHS, CycleSegments, loaded_at
 from .unloaded_slopes import UnloadedSlopes
-
-Array = NDArray[Any]
 
 
 def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:

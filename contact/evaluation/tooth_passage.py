@@ -7,15 +7,14 @@ that the rows of a table over (pair, mesh position) are pieces of one curve, and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 
-Array = NDArray[Any]
 CYCLES = 2  # of the mesh that curves show
 STEP_POINT_COUNT = 8  # points of a curve a mesh position
 

@@ -10,11 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...geometry.flanks.flank import on_parts, pick
 from ...geometry.newton import cramers_rule
 from ...geometry.pair.field_slopes import gear_gap_slopes, held_point_slopes, pinion_gap_slopes
@@ -27,8 +27,6 @@ from ..lines.turned_flanks import BOUNDS, TurnedFlanks, circles_met
 from ..loaded import extremes
 from ..pair_errors import ENVELOPE_REFINEMENT, NEIGHBOUR_DISTANCE_LIMIT, PairErrors
 from ..unloaded import PEAK_TOLERANCE
-
-Array = NDArray[Any]
 
 ON_BOUND = 1e-6  # fraction of the flank within which a point lies on a bound
 LEVEL_SLOPE = 1e-9  # [rad per fraction of the flank]; a gap that falls by less towards a bound is not held by it

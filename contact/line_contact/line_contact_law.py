@@ -10,9 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...core.arrays import RealArray as Array
 from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
@@ -21,7 +19,6 @@ from ..solvers.compiled.compiled_answer import CompiledAnswer, line_contact_answ
 from ..solvers.solution import judged
 from .line_contact_solution import solve_on_bending
 
-Array = NDArray[np.float64]
 _Found = tuple[ContactSolution, ContactProblem]
 
 

@@ -25,6 +25,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays, instance, number
 from ...core.errors import InputError
 from ..compliance.weber_line_contact import WeberLineContact
@@ -106,8 +107,6 @@ def tangent_sensitivity(
     deflection = bending.deflection(force) + line_contact.deflection(force)
     return tangent_answer_sensitivity(bending, solution.answer, tangent, deflection, tolerance)
 
-
-Array = NDArray[np.float64]
 
 #: A force and a gap that are both below this part of their scales are rounding.
 WEAK_TOLERANCE = 1e-13

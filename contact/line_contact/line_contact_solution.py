@@ -23,6 +23,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.errors import InputError
 from ..problem.certificate import EXACT_TOLERANCE, vector_of, with_certificate
 from ..problem.contact_problem import ContactProblem
@@ -32,8 +33,6 @@ from ..solvers.native import answers
 from ..solvers.registry import start_force
 from ..solvers.solution import judged, no_solution
 from ..solvers.solver_limits import Limits, StepBudget
-
-Array = NDArray[np.float64]
 
 #: Linear problems solved before giving up; four to six are usual.
 MAX_ITERATIONS = 50

@@ -9,17 +9,15 @@ point p + p' (q - Q) + p'' (q - Q)^2 / 2, with the derivatives that ``rolling.dr
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ...geometry.newton import cramers_rule, determinant
 from .contact_lines import curvature_and_skew
 from .flank_splines import BENDS, SLOPES, VALUE_AND_SLOPES, FlankSplines
-
-Array = NDArray[Any]
 
 SEPARATION_FIELDS = ("separation_bend", "separation_bend_slope")  # give separation curvature and skew
 SEARCH_RADIUS_LIMIT = 0.15  # of the flank, from a contact line to its closest approach; designed pairs have up to 0.05

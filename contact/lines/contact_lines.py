@@ -10,18 +10,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import contourpy
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.checks import frozen_arrays
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines, fit
 
-Array = NDArray[Any]
 BOUNDARY_FIELDS = ("pinion_lengthwise", "pinion_profile", "blade_distance")  # end the common flank
 
 POINTS_PER_LINE = 65  # points along a curve while it is traced and clipped

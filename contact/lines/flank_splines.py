@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from .tensor_spline import TensorSpline
 
-Array = NDArray[Any]
 SPLINE_DEGREE = 5
 SLOPES = [(1, 0), (0, 1)]  # orders of derivatives, for ``FlankSplines.derivatives``
 VALUE_AND_SLOPES = [(0, 0), *SLOPES]

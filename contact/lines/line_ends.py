@@ -9,11 +9,10 @@ its closest approach lies on both flanks, so that edges begin exactly where line
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from .closest_approach import EXTRAPOLATION_LIMIT, SEARCH_RADIUS_LIMIT, AcrossLine, OppositePoints, across_line
 from .contact_lines import (
     LENGTH_RATIO_LIMIT,
@@ -28,8 +27,6 @@ from .contact_lines import (
 from .flank_splines import FlankSplines
 from .mesh_edges import EDGES
 from .mesh_lines import MeshLines
-
-Array = NDArray[Any]
 
 EXTENSION_RATIO = 0.08  # of a line beyond either end, over the length of the longest; designed pairs need up to 0.03
 EXTENSION_POINTS = 12  # in either extension

@@ -15,12 +15,12 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from .closest_approach import AcrossLine, OppositePoints, across_line, conjugate_points, points_below, solved
 from .flank_splines import FlankSplines
 from .mesh_lines import MeshLines
 
-Array = NDArray[Any]
 Around = TypeVar("Around", bound="EdgeElements | _TouchingParts | AcrossLine | OppositePoints")
 
 ELEMENTS_PER_EDGE = 160

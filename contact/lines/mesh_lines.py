@@ -9,19 +9,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays, instance, positive, whole
 from ...core.errors import GeometryError
 from ...geometry.pair.gear_pair import MEMBERS
 from .closest_approach import SEARCH_RADIUS_LIMIT, one_step
 from .contact_lines import BOUNDARY_FIELDS, ContactLines, distance_inside, trace
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines
-
-Array = NDArray[Any]
 
 GAUSS_POINTS = 3
 MESH_POSITION_LIMIT = 10_000

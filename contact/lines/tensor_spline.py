@@ -11,15 +11,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import perm
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ...core.kernels import kernel
-
-Array = NDArray[Any]
 
 evaluate = kernel(".spline_kernel", __package__).evaluate
 #: B-splines that are not zero in an interval, of degree five: as many of a lower degree, the rest being zero.

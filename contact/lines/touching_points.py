@@ -15,13 +15,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...geometry.newton import cramers_rule
 from ...geometry.pair.gear_pair import PairGeometry
 from .closest_approach import PASSING_FIELDS, PINION_FRACTIONS, gap_beside, still_opens
 from .turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
-
-Array = NDArray[Any]
 
 STARTS_PER_ROTATION = 4
 NODES_PER_BLOCK = 20_000  # of all rotations that are looked at together, so that they stay in the processor's cache

@@ -24,11 +24,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...geometry.cutting.generating_surface import GeneratingSurface, area_ratio
 from ...geometry.flanks.flank import Flank, pick, seed_lattice, solve_parts
@@ -38,8 +38,6 @@ from ...geometry.pair.ease_off import EaseOff
 from ...geometry.pair.gear_pair import Member, PairGeometry
 from ...geometry.vectors import column, cos_sin, turn_z
 from .flank_splines import BENDS, VALUE_AND_SLOPES, FlankSplines, fit
-
-Array = NDArray[Any]
 
 KINK_LIMIT = 1e-5  # [rad per fraction of the flank]; below it two cuts join smoothly, and their sections' ends decide
 

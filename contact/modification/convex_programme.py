@@ -17,10 +17,10 @@ from typing import Any, Literal, cast, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import one_of
 from .load_response import LoadResponse
 
-Array = NDArray[np.float64]
 Objective = Literal["peak_load", "peak_pressure", "even_load"]
 OBJECTIVES: tuple[Objective, ...] = get_args(Objective)
 

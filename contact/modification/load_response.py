@@ -16,10 +16,9 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ..problem.compliance_matrix import ComplianceMatrix
 from ..solvers.parametric.touching_form import touching_system
-
-Array = NDArray[np.float64]
 
 
 def held_in_contact(

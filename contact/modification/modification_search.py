@@ -17,12 +17,10 @@ from functools import partial
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from .convex_programme import Goal, Value, judged, solve_programme
 from .load_response import LoadResponse
-
-Array = NDArray[np.float64]
 
 #: Least ratios of the gain to the promised one for a step to be taken, and for a larger trust radius after it.
 TAKEN_GAIN_RATIO, GOOD_GAIN_RATIO = 0.1, 0.75

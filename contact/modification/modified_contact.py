@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ...geometry.pair.modification import Modification, basis, modified_ease_off
 from ..mesh_cycle import MeshCycle
@@ -16,8 +15,6 @@ from ..problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ..segments import Segments
 from ..solvers import Status
 from .load_response import LoadResponse, held_in_contact, load_response, stacked
-
-Array = NDArray[Any]
 
 
 def separation_slopes(cycle: MeshCycle, names: tuple[str, ...]) -> list[Array]:

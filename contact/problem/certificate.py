@@ -28,16 +28,14 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import array, frozen_arrays, instance, shown
 from ...core.errors import InputError
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, OperatorCompliance
 from .contact_problem import ContactProblem
 from .error_free import UNIT_ROUNDOFF, dot_terms, double_double
 from .first_contact import ERROR_FREE
-
-Array = NDArray[np.float64]
 
 #: Greatest error of operations whose result is below the normal numbers [in any unit].
 UNDERFLOW = 1e-318

@@ -18,8 +18,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import array, frozen_arrays, read_only, shown
 from ...core.errors import InputError
 from .modal_basis import BendingFactor, ModalBasis
@@ -27,7 +28,6 @@ from .modal_basis import BendingFactor, ModalBasis
 if TYPE_CHECKING:
     from scipy.sparse.linalg import LinearOperator
 
-Array = NDArray[np.float64]
 
 #: Entries of the largest array that is formed from a sparse matrix or from the products of a factor: 3.2 GB.
 LARGEST_FORMED = 400_000_000

@@ -33,13 +33,13 @@ from fractions import Fraction
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays
 from .certificate import exact_gap_error, exact_residuals
 from .compliance_matrix import ModalCompliance, OperatorCompliance
 from .contact_problem import ContactProblem
 from .error_free import UNIT_ROUNDOFF, dot_terms
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: Segments of a structured compliance from which on its eigenvalues are bounded by the local part alone.

@@ -23,8 +23,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import array, frozen_arrays
 from ...core.errors import InputError
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, compliance_matrix
@@ -35,7 +36,6 @@ from .scaled_problem import ScaledProblem, Scaling
 if TYPE_CHECKING:
     import qpsolvers
 
-Array = NDArray[np.float64]
 
 FORMAT = "easeoff contact problem"
 FORMAT_VERSION = 1

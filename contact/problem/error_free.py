@@ -10,9 +10,9 @@ import math
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from ...core.arrays import RealArray as Array
+
 Number = TypeVar("Number", float, Array)
 
 #: Half of the distance from 1 to the next double: greatest relative error of one operation.

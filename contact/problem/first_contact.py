@@ -15,12 +15,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays, read_only
 from .error_free import split, two_product, two_sum
-
-Array = NDArray[np.float64]
 
 #: Changes of the segment that touches first: the rounded ratios S/r mistake it where rotations are large.
 MAX_CHANGES = 4

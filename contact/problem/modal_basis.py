@@ -30,10 +30,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays, instance, read_only, whole
 from ...core.errors import InputError
 
-Array = NDArray[np.float64]
 Whole = NDArray[np.int64]
 
 #: One segment stands for so many on the next level.

@@ -33,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, OperatorCompliance
 from .first_contact import FirstContact
@@ -40,8 +41,6 @@ from .modal_basis import ModalBasis, SharedModes
 
 if TYPE_CHECKING:
     import qpsolvers
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,6 +24,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ..problem.scaled_problem import ScaledProblem
 from .solution import ScaledAnswer
 from .solver_limits import UNLIMITED, StepBudget
@@ -107,8 +108,6 @@ GAP_TOLERANCE, RELAXED_GAP_TOLERANCE = 1e-13, 1e-11
 #: Steps without progress after which the first segment that penetrates enters, not the one that does most (Bland), and
 #: the part of a step below which there is none.
 STALLED_STEPS, SMALLEST_STEP = 20, 1e-12
-
-Array = NDArray[np.float64]
 
 
 def primal_active_set(

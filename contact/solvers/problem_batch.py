@@ -10,6 +10,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import array, frozen_arrays, instance, shown
 from ...core.errors import InputError
 from ..problem.certificate import EXACT_TOLERANCE, RESOLUTION_LIMIT, Certificate, with_certificate
@@ -17,8 +18,6 @@ from ..problem.contact_problem import ContactProblem
 from .compiled.compiled_answer import linear_answers
 from .registry import ROUNDING_LEVEL, as_mask, compiled_solution, solve
 from .solution import ContactSolution, Status, judged, no_solution
-
-Array = NDArray[np.float64]
 
 
 @frozen_arrays

@@ -16,11 +16,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ..problem.scaled_problem import ScaledProblem
 from .solution import ScaledAnswer, Status
 from .solver_limits import UNLIMITED, StepBudget
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: Gap of a segment in contact, over the mean deflection, at which the method ends.

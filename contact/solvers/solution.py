@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.attributes import StoredStatus
 from ...core.errors import InputError
 from ..problem.certificate import NO_CERTIFICATE, Answer, Certificate, no_answer
@@ -22,7 +23,6 @@ from ..problem.contact_problem import ContactProblem
 if TYPE_CHECKING:
     from .parametric.sensitivity import Sensitivity
 
-Array = NDArray[np.float64]
 
 #: Claims of a solver besides the names of `Status` in lower case: a solution, or an exception.
 SOLVED, RAISED = "solved", "raised"

@@ -26,6 +26,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import instance, number, one_of, shown, truth
 from ...core.errors import InputError
 from ...core.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code
@@ -35,8 +36,6 @@ from ..problem.scaled_problem import ScaledProblem
 from .backend import NoAnswerError, read_answer
 from .solution import SOLVED, CallTimes, ScaledAnswer, Status
 from .solver_table import SOLVERS
-
-Array = NDArray[np.float64]
 
 
 def own_answer(returned: Any, problem: ScaledProblem, form: str, posed: Any) -> ScaledAnswer:

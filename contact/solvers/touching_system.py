@@ -53,9 +53,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs, dpocon, dpotrf, dpotri, dpotrs
 
+from ...core.arrays import RealArray as Array
 from ..problem.scaled_problem import ScaledProblem
-
-Array = NDArray[np.float64]
 
 
 class TouchingAnswer(NamedTuple):

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, Protocol
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...core.arrays import RealArray as Array
 from ...core.attributes import StoredStatus
 from ...core.checks import frozen_arrays, one_of, positive, whole
 
@@ -19,7 +17,6 @@ if TYPE_CHECKING:
     from ..segments import CycleSegments, Segments
     from .support import Supports
 
-Array = NDArray[np.float64]
 Update = Literal["none", "mean", "position"]
 UPDATES: tuple[Update, ...] = ("none", "mean", "position")
 

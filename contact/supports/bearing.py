@@ -8,14 +8,13 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import array, number, shown
 from ...core.errors import InputError
 from ..lines.monotone_cubic import MonotoneCubic
 from .shaft_section import POSITION_LIMIT
 
-Array = NDArray[np.float64]
 STIFFNESS_LIMIT = 1e15  # [N/mm, N mm/rad]
 POINT_COUNT_LIMIT = 1000  # of a curve
 

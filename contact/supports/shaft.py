@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays, number, shown
 from ...core.errors import InputError
 from ..compliance.material import Material
@@ -25,7 +25,6 @@ from .bearing import Bearing
 from .shaft_section import POSITION_LIMIT, ShaftSection, shear_coefficient
 from .support import shift_matrix
 
-Array = NDArray[np.float64]
 SECTION_COUNT_LIMIT = 200
 JOINT_TOLERANCE = 1e-9  # between the end of a section and the start of the next [mm]
 

@@ -5,15 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import array
 from ...geometry.pair.assembly import Assembly
 from ...geometry.tooth.tooth_flanks import MemberName
 from .shaft import Shaft
 from .support import ORIGIN, BearingReaction, Support, Supports, shifted_wrench
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

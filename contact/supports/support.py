@@ -18,13 +18,13 @@ from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import array, check_fields, frozen_arrays, instance, instances, read_only, shown, two
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 
-Array = NDArray[np.float64]
 ORIGIN = (0.0, 0.0, 0.0)
 
 

@@ -6,15 +6,15 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import array, frozen_arrays, instance, truth
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from .support import ORIGIN, Support, Supports
 from .supported_pair import RelativeMotion
 
-Array = NDArray[np.float64]
 ROTATION_LENGTH = 100.0  # [mm]; an error of Sigma counts as the displacement at this length
 RIDGE = 1e-6  # of the data; what the deflections do not determine is as small as it can be
 RANK_SHARE = 1e-6  # of the greatest singular value; a smaller one is no independent datum

@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.attributes import labelled
 from ...core.checks import frozen_arrays
 from ...geometry.pair.gear_pair import MEMBERS
@@ -22,7 +22,6 @@ from .assembly_rounds import CycleInAssembly, FoundRound, Round, RoundsStatus
 from .support import ORIGIN, shifted_wrench
 from .supported_pair import PARTS, SupportedPair, cycle_mean
 
-Array = NDArray[np.float64]
 CYCLE = ("torque", "mesh_position")
 SHARES = ("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_rotation")
 

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays
 from ...core.errors import GeometryError
 from ...geometry.pair.assembly import Assembly, Misalignment
@@ -24,7 +24,6 @@ from ..segments import HeldMembers, Segments
 from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound, Round, RoundsStatus, Update
 from .support import LoadedSupports, Supports, member_axes
 
-Array = NDArray[np.float64]
 #: Parts of a relative motion, in this order: the four of ``Misalignment``, then the rotations in the drive sense.
 PARTS = ("offset", "pinion_axial", "gear_axial", "shaft_angle", "pinion_rotation", "gear_rotation")
 

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.deflections import Deflections, misalignment_at
@@ -25,6 +24,7 @@ from ...contact.loaded import LoadedCase
 from ...contact.mesh_cycle import MeshCycle
 from ...contact.solvers import SolverChoice, require_solver
 from ...contact.tooth_root_stress import root_stress
+from ...core.arrays import Array
 from ...core.attributes import labelled
 from ...core.checks import distinct
 from ...core.errors import GeometryError, InputError
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from ...contact.supports.assembly_rounds import AssemblyRounds
     from ...contact.supports.support import LoadedSupports
 
-Array = NDArray[Any]
 
 #: Groups over the torque, joined from those of the assemblies.
 OVER_TORQUE = ("misalignment", "supports", "loaded", "root_stress", "friction")

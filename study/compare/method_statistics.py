@@ -17,13 +17,11 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...contact.problem.certificate import EXACT_TOLERANCE
 from ...contact.solvers.solution import SOLVED
+from ...core.arrays import RealArray as Array
 from .attempt import COLD, HEADLINE, SETTINGS, SWEEP
-
-Array = NDArray[np.float64]
 
 
 def performance_profile(run_time: Array) -> tuple[Array, Array]:

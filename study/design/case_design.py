@@ -6,11 +6,9 @@ Fitted settings: machine settings of the pinion that realise a modification of t
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...cases.conversion import (
     blank_design,
@@ -25,6 +23,7 @@ from ...cases.deflections import misalignment_at
 from ...cases.schema.case_schema import MATING_SIDES, Case, MemberTable, PinionTable, TargetsTable
 from ...cases.schema.design_schema import Design
 from ...cases.writing import blank_table, flank_settings, recorded_thicknesses
+from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import GeometryError, InputError
 from ...geometry.design.pair_design import PairDesign, design_pair
@@ -139,9 +138,6 @@ def _case(design: Design, designed: PairDesign) -> Case:
         friction=design.friction,
         target=TargetsTable(drive=design.target.drive, coast=design.target.coast),
     )
-
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

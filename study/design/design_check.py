@@ -13,7 +13,6 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,6 +22,7 @@ from ...cases.schema.case_schema import Case
 from ...cases.schema.design_schema import Design
 from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
 from ...contact.evaluation.flank_region import flank_share
+from ...core.arrays import Array
 from ...core.checks import frozen_arrays
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...geometry.cutting.generating_surface import GeneratingSurface
@@ -132,8 +132,6 @@ def offset_advice(design: Design, basic_data: BlankDesign) -> list[str]:
         "has the smaller spiral angle; the usual hypoid pair has a positive one"
     ]
 
-
-Array = NDArray[Any]
 
 TOE_HALF = np.linspace(0.0, 0.5, 6)
 NO_VALUE = "-"

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.conversion import materials
@@ -29,6 +28,7 @@ from ...contact.modification.load_response import LoadResponse, stacked
 from ...contact.modification.modification_search import ModificationSearch, optimal_modification
 from ...contact.modification.modified_contact import ModifiedContact
 from ...contact.solvers import require_solver
+from ...core.arrays import Array
 from ...core.attributes import labelled
 from ...core.checks import number, positive, whole
 from ...core.errors import GeometryError, InputError
@@ -37,8 +37,6 @@ from ...geometry.pair.modification import Modification, basis, terms
 from ..analysis.contact_analysis import case_torques, contact_analysis, in_assembly_under_load
 from ..case_in_mesh import CaseInMesh, checked_case
 from ..progress import shows_progress, told
-
-Array = NDArray[Any]
 
 STAGES = ("before", "after")
 LARGEST_MODIFICATION_MINIMUM, LARGEST_MODIFICATION_LIMIT = 1e-4, 1000.0  # [um]

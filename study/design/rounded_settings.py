@@ -7,11 +7,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
 from ...cases.schema.cutting_table import FlankSettings, blade_field
+from ...core.arrays import RealArray as Array
 from ...core.checks import array, instance
 from ...core.errors import GeometryError
 from ...geometry.cutting.named_settings import (
@@ -23,8 +23,6 @@ from ...geometry.cutting.named_settings import (
 )
 from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, grid
-
-Array = NDArray[np.float64]
 
 EFFECT_NODES = (15, 11)
 FLANKS = ("concave", "convex")

@@ -17,7 +17,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...cases.conversion import elastic_model
 from ...cases.reading import read_case
@@ -26,6 +25,7 @@ from ...contact.problem.certificate import EXACT_TOLERANCE, Answer
 from ...contact.problem.contact_problem import ContactProblem
 from ...contact.problem.exchange.problem_file import problem_checksum, set_checksum, write_problems
 from ...contact.solvers import ContactSolution, solve
+from ...core.arrays import RealArray as Array
 from ...core.attributes import labelled
 from ...core.checks import instance, shown
 from ...core.errors import GeometryError, InputError
@@ -36,8 +36,6 @@ from ...geometry.pair.gear_pair import pair_geometry
 from ..case_in_mesh import prepared_pair
 from .library_entries import LIBRARY_VERSION, MESH_POSITIONS, PARTS, PINION_LAG, USUAL_PARTS, Entry, Source, entries
 from .reference_answers import ReferenceAnswer, reference_answers
-
-Array = NDArray[np.float64]
 
 
 def parts(problem: ContactProblem) -> tuple[Array, Array, float, Array, Array]:

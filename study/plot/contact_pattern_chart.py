@@ -27,14 +27,12 @@ from ...contact.evaluation.flank_region import FlankRegion
 from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.solvers import Status
+from ...core.arrays import Array
 from .mesh_cycle_charts import draw_surface, pressure_levels
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, legend_at_foot, panel_titles, torque_name
 from .panel_grid import OwnAxes, chosen_parts, panels
 from .pattern_lines import contact_pattern, draw_pattern, path_beyond
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
-
-Array = NDArray[Any]
-
 
 FLANK_NAMES = {"gear": "gear flank", "pinion": "pinion flank"}
 COMPOUND = "#7FB2D6"  # colour of the marking compound

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -16,13 +14,12 @@ from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
+from ...core.arrays import Array
 from .contact_pattern_chart import number_lines, outlined
 from .page import GREY, INK, VERMILION, WIDTH, label_axes
 from .panel_grid import OwnAxes, panels
 from .pattern_lines import contact_pattern, draw_path, legend_below
 from .tooth_view import ToothView, draw_flank, fine_grid
-
-Array = NDArray[Any]
 
 SHADES = LinearSegmentedColormap.from_list("ease_off", ["#ffffff", "#d9e6f0", "#a9c8df", "#6fa3c8"])
 LEVEL_COUNT_LIMIT = 16

@@ -21,10 +21,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
 from ...contact.evaluation.tooth_passage import two_cycles
 from ...contact.lines.contact_lines import boundary_distance
+from ...core.arrays import Array
 from ...core.checks import number
 from ...core.errors import InputError
 from ...friction import FrictionModel
@@ -57,8 +57,6 @@ from .page import (
 )
 from .panel_grid import TORQUE_TOLERANCE, OwnAxes, chosen_parts, panels
 from .tooth_view import ToothView, draw_flank, fine_grid
-
-Array = NDArray[Any]
 
 COLOUR_MAPS = {
     "rolling_velocity": "Blues",

@@ -32,6 +32,7 @@ from ...contact.evaluation.tooth_passage import (
     unloaded_curves,
 )
 from ...contact.solvers import Status
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import MEMBERS
 from ..summary.plausibility import edge_notes, jump_notes
@@ -61,8 +62,6 @@ from .page import (
 )
 from .panel_grid import OwnAxes, chosen_parts, chosen_torques, panels
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
-
-Array = NDArray[Any]
 
 #: Panels, with their heights on a page [in].
 HEIGHTS = {"unloaded": 2.5, "loaded": 2.3, "about_mean": 2.3, "orders": 2.3}

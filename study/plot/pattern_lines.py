@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ...contact.evaluation.tooth_passage import ToothPassage, tooth_passage
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankSplines
+from ...core.arrays import Array
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION
 from .tooth_view import ToothView, draw_flank
 
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.lines import Line2D
 
-
-Array = NDArray[Any]
 
 LINE_POINT_COUNT = 17  # along a drawn contact line
 

@@ -27,6 +27,7 @@ from matplotlib.patches import Ellipse, Rectangle
 from matplotlib.ticker import FixedLocator, MaxNLocator
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
@@ -56,7 +57,6 @@ from .page import (
 )
 from .panel_grid import OwnAxes, chosen_parts, panels
 
-Array = NDArray[Any]
 #: Numbers that are drawn, where a sweep has them.
 DRAWN = (
     *("peak_to_peak", "max_pressure", "contact_ratio"),

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ...contact.evaluation.flank_region import ProjectionPlane
 from ...contact.lines.contact_lines import boundary_distance, contact_splines
 from ...contact.lines.flank_splines import FlankSplines
+from ...core.arrays import Array
 from ...geometry.tooth.tooth_flanks import MemberName
 from .page import GREY, INK, PAPER, SMALL_SIZE
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.path import Path as Outline
 
-Array = NDArray[Any]
 
 FINE_GRID = (241, 121)  # points along the face and the profile
 EDGE_NAME = "edge name"  # mark of the words beside the edges of a flank

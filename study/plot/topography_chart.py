@@ -16,10 +16,10 @@ from matplotlib.colors import TwoSlopeNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.ticker import MaxNLocator
-from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import fit
+from ...core.arrays import Array
 from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
 from ..summary.quantities import TITLES
 from .contact_pattern_chart import number_lines, outlined
@@ -39,8 +39,6 @@ from .page import (
 )
 from .panel_grid import OwnAxes, chosen_parts, panels
 from .tooth_view import ToothView, draw_flank, fine_grid
-
-Array = NDArray[Any]
 
 FLANK_STATES = {"before": "measured", "after": "predicted after the correction"}
 HEIGHT_SHARE = 0.36  # of the sheet's height over its length, as drawn

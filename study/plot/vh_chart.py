@@ -9,13 +9,12 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ..summary.sweep_report import SIGNS, totals
 from .page import BLUE, BODY_SIZE, GREY, INK, PAPER, SEPARATOR, SMALL_SIZE, VERMILION, WIDTH, page
 from .panel_grid import OwnAxes, chosen_parts, panels
 
-Array = NDArray[Any]
 PARTS = ("places", "grid")
 COMPOUND = "#7FB2D6"  # colour of the marking compound
 PLACE_COLOUR = VERMILION

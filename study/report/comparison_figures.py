@@ -19,8 +19,8 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, PercentFormatter
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ..compare.attempt import COLD, RAW, SETTINGS
 from ..compare.method_statistics import (
     TIMES,
@@ -65,8 +65,6 @@ MARKED_POINTS = 7  # on a curve of many points
 PANEL_HEIGHT = 2.9  # [in]
 SIZE_TICK_LIMIT, TICK_DISTANCE = 8, 0.05  # sizes that are ticked themselves, and their least distance over the axis
 ROUND_NUMBERS = ((1.0, 2.0, 5.0), (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0))  # ticks of a decade, and of less
-
-Array = NDArray[Any]
 
 
 def panels(problems: Any, time_limit: float) -> list[tuple[str, list[MethodName]]]:

@@ -12,7 +12,6 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankSplines, fit
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.checks import file_path, number, two_whole
 from ...core.errors import InputError
@@ -35,7 +35,6 @@ from .flank_pictures import gear_raster, on_member, rasterised
 from .mesh_scene import flank_places, member_turns, pair_of_result, placed, turned
 from .stored_case import stored_case
 
-Array = NDArray[Any]
 Index = NDArray[np.int64]
 
 #: Values of a segment in a file, by the name there: group, variable and factor.

@@ -11,13 +11,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.evaluation.tooth_passage import unloaded_curves
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ..summary.plausibility import TOLD_SHARE
 from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS
 from ..summary.supports_report import SHARES, bearing_loads
 from .packed_array import packed_exactly
 
-Array = NDArray[Any]
 LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
 CYCLE = "mesh position"
 ROTATION, TORQUE, REVOLUTIONS = "rotation of the gear [µrad]", CONDITION_LABELS["torque"], "revolutions of the pinion"

@@ -22,6 +22,7 @@ from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankSplines
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.errors import EaseoffError
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
@@ -34,8 +35,6 @@ from ..summary.correction_report import assembly_rows, assembly_title, terms
 from ..summary.quantities import written
 from .cycle_charts import chart
 from .packed_array import packed, packed_exactly
-
-Array = NDArray[Any]
 
 RASTER = (121, 49)  # points along the face and the profile
 CORNER_TOLERANCE = 1e-9  # of a barycentric coordinate

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.errors import EaseoffError
 from ...geometry.pair.assembly import Misalignment
@@ -22,8 +22,6 @@ from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import tooth_patches
 from ..summary.deflection_report import ERRORS
 from .packed_array import packed, packed_exactly
-
-Array = NDArray[Any]
 
 
 def pair_of_result(tree: xr.DataTree, case: Case) -> GearPair:

@@ -6,9 +6,9 @@ import base64
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Array = NDArray[Any]
+from ...core.arrays import Array
 
 STEP_COUNT = 65534  # of 16 bits between the least and the greatest value; the code after the last one is NaN
 

@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.checks import instance
 from ...core.errors import InputError, printable
@@ -167,7 +168,6 @@ def _require_kind(name: str, kind: str) -> None:
         raise InputError(f"{name}: must be a result of {ACCEPTED}")
 
 
-Array = NDArray[Any]
 COARSER = 2  # prints of the grid, which are drawn small
 MARGIN = 0.04  # around a print, of its length
 HEADS = ("", "V [mm]", "H [mm]", "centre at toe, root [%]", "from, to toe [%]", "height [%]", "peak to peak [µrad]")

@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from pydantic import BaseModel
 
 from ...cases.conversion import given_pair
@@ -29,7 +28,6 @@ from ..summary.quantities import FRICTION, LOADED, UNLOADED, written
 from ..summary.result_summary import end_name
 from ..summary.table import with_signs
 
-Array = NDArray[Any]
 SIDES = ("concave", "convex")
 
 #: Names of the rows, with their units, in their order.

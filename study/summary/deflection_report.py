@@ -9,12 +9,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from .table import ROW_COUNT_LIMIT, Table
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

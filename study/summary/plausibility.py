@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 
 from ...contact.evaluation.flank_region import flank_share
 from ...contact.evaluation.pressure_map import LineEnd, max_inner_pressure
+from ...core.arrays import RealArray as Array
 from ...core.attributes import ROOT_RESOLUTION, ordered
 from ...friction.kolivand_formula import TOLD_THINNING
 from ...geometry.pair.gear_pair import MEMBERS
@@ -166,8 +167,6 @@ def executed_settings(tree: xr.DataTree) -> list[str]:
 
     return execution_note([flank for flank in get_args(FlankOfMember) if flank in named])
 
-
-Array = NDArray[np.float64]
 
 #: Part by which the greatest pressure at a position exceeds that at both neighbours to be told. Shipped cases, either
 #: flank, aligned or not, at 20 to 800 N m, have up to 0.12 at 32 mesh positions, where edges carry; less at more.

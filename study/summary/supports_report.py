@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import MEMBERS
 from .deflection_report import error_values, misalignment_words
 from .table import Table
-
-Array = NDArray[Any]
 
 #: Parts of the gear's rotation by name, with their variables in the group ``supports``.
 SHARES = {

@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 
 from ...cases.reading import shipped_deviations
 from ...cases.table_rows import read_table_rows
+from ...core.arrays import RealArray as Array
 from ...core.checks import array, frozen_arrays, instance, number, one_of, shown, whole
 from ...core.errors import InputError
 from ...core.regular_file import TABLE_SIZE_LIMIT, leads_outside
 from ...friction.lubricants.lubricant import is_shipped
 from ..analysis.swept_quantity import Stage, SweptQuantity, swept_quantity
 
-Array = NDArray[np.float64]
 Sampler = Literal["sobol", "latin_hypercube"]
 SAMPLE_COUNT_LIMIT = 2**24
 TEXT = re.compile(r"\s*~?\s*([a-z]+)\s*\(([^()]*)\)\s*")

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.deflections import Deflections
 from ...cases.writing import changed_case
 from ...contact.solvers import Status
+from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.checks import frozen_arrays
 from ...core.errors import EaseoffError, GeometryError, InputError, printable, shortened
@@ -31,7 +31,6 @@ from ..case_in_mesh import CaseInMesh
 from .sweep_file import PointStatus
 from .sweep_plan import SweepSetup, assemblies
 
-Array = NDArray[Any]
 REASON_LENGTH_LIMIT = 200  # of the reason of a failure [characters]
 KEPT_PAIRS = 2  # that a process keeps in mesh
 

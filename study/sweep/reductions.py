@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import labelled
 from ...core.checks import array, one_of, truth, whole, words
 from ...core.errors import InputError
 
-Array = NDArray[Any]
 PERCENTILES = (1.0, 5.0, 25.0, 50.0, 75.0, 95.0, 99.0)
 ROWS = ("sample", "load_case")
 LOADS = ("torque", "speed", "temperature", "roughness")

@@ -7,15 +7,14 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.attributes import variable_attributes
 from ..analysis.swept_quantity import swept_quantity
 from .batch_analysis import Block
 from .sweep_file import PointStatus
 from .sweep_plan import PointTable, SweepSetup
 
-Array = NDArray[Any]
 NOT_COMPUTED = -1  # value of a number with meanings where a point failed
 ROW_NAMES = {"sample": "number of the sample", "load_case": "number of the load case"}
 

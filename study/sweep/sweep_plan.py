@@ -20,12 +20,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...cases.analysis_size import AnalysisSize
 from ...cases.reading import shipped_deviations
 from ...cases.schema.case_schema import Case
 from ...contact.solvers import require_solver
+from ...core.arrays import Array
 from ...core.checks import instance, shown
 from ...core.errors import InputError
 from ...core.memory import require_memory
@@ -110,9 +110,6 @@ def file_digest(name: str) -> str:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError:
         return ""
-
-
-Array = NDArray[Any]
 
 
 @dataclass(frozen=True)

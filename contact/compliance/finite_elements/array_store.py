@@ -14,13 +14,12 @@ from typing import Any
 
 import numpy as np
 import platformdirs
-from numpy.typing import NDArray
 
 from ....core.array_file import read_arrays
+from ....core.arrays import Array
 from ....core.errors import InputError
 from ....core.output_file import whole_file
 
-Array = NDArray[Any]
 #: Shape of every array by name; ``None`` stands for any length.
 Shapes = Mapping[str, tuple[int | None, ...]]
 

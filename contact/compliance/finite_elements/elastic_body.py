@@ -16,11 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.arrays import Array
 from ....core.checks import frozen_arrays
 from ....core.errors import GeometryError
 from ..material import Material
@@ -28,7 +29,6 @@ from ..material import Material
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-Array = NDArray[Any]
 GAUSS_POINTS = 3  # in each direction: exact for a brick with straight edges
 BRICKS_PER_BATCH = 32  # as many as fit into a processor's cache
 ShapeFunctions = Callable[[Array], tuple[Array, Array]]

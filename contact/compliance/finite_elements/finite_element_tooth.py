@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.arrays import Array
 from ....core.checks import number
 from ....core.errors import GeometryError, InputError
 from ....core.memory import require_memory
@@ -55,7 +56,6 @@ from .tooth_ring import WHOLE_BODY, ToothBody, body_modes, ring_lattice, ring_si
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-Array = NDArray[Any]
 Counts = tuple[int, int, int]
 
 EXTRA_GAUSS_POINTS = (6, 2, 4)  # Gauss points beyond the number of functions, along, through and up

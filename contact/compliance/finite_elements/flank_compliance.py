@@ -17,11 +17,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.arrays import Array
 from ....core.checks import frozen_arrays
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from ....geometry.tooth.tooth_surface import EndFace
@@ -31,7 +32,6 @@ from .elastic_body import brick_gradients, functionals, gauss_rule, quadratic, s
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-Array = NDArray[Any]
 FOOT_ITERATIONS = 30
 SPREAD_POINT_COUNT = 8  # points over a brick on which a force is spread
 EIGENVALUE_RATIO_LIMIT = 1e-9  # of the greatest; what is below does not reach the digits of a force

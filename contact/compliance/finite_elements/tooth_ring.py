@@ -16,11 +16,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.arrays import Array
 from ....core.errors import GeometryError
 from ....geometry.pair.gear_pair import GearPair
 from ....geometry.tooth.tooth_flanks import MemberName, named_member
@@ -33,7 +34,6 @@ from .flank_compliance import FlankCompliance, SharedBody, flank_loads, flank_sh
 if TYPE_CHECKING:
     from scipy.sparse import csc_array
 
-Array = NDArray[Any]
 SIDE_MISFIT_LIMIT = 1e-6  # [mm], between one side of a pitch and the other, turned by the pitch
 
 

@@ -37,6 +37,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ....core.arrays import RealArray as Array
 from ....core.checks import instances, shown
 from ....core.errors import InputError, memory_in_words
 from ....core.forked_process import ProcessEndedError, in_forked_process
@@ -45,8 +46,6 @@ from ....core.output_file import whole_file
 from ....core.regular_file import faults_in_words, named, require_file
 from ..certificate import Answer, no_answer, with_certificate
 from ..contact_problem import ContactProblem
-
-Array = NDArray[np.float64]
 
 #: Dimensions, units and meaning of every variable of a reference solution.
 VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {

@@ -52,6 +52,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.array_file import read_arrays
+from ....core.arrays import RealArray as Array
 from ....core.checks import one_of, shown
 from ....core.errors import InputError
 from ....core.netcdf_file import unpacked_size_limit
@@ -363,8 +364,6 @@ def _known(name: str, names: Iterable[str]) -> str:
         raise InputError(f"{shown(name)}: must be declared before")
     return name
 
-
-Array = NDArray[np.float64]
 
 #: Forms in which a problem can be written; ``auto`` is the lifted one where the compliance is structured.
 QPS_FORMS = ("auto", "dense", "lifted")

@@ -10,14 +10,13 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.arrays import RealArray as Array
 from ....core.kernels import kernel
 from ...problem.certificate import RESOLUTION_LIMIT, Answer, Certificate, with_certificate
 from ...problem.compliance_matrix import ModalCompliance
 from ...problem.contact_problem import ContactProblem
 from ...problem.modal_basis import ModalBasis, ModeColumns
 from ...problem.scaled_problem import ScaledProblem
-
-Array = NDArray[np.float64]
 
 solve_batch = kernel(".newton_kernel", __package__).solve_batch
 

@@ -25,6 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ....core.arrays import RealArray as Array
 from ....core.attributes import StoredStatus
 from ....core.checks import array, frozen_arrays, positive
 from ....core.errors import InputError
@@ -34,8 +35,6 @@ from ...problem.contact_problem import ContactProblem
 from ..touching_system import TouchingAnswer
 from .touching_form import TouchingSystem, touching_system
 from .weak_segments import dependent_segments, loaded_and_weak, system_in_direction
-
-Array = NDArray[np.float64]
 
 
 def given(name: str, values: Any, unit: str, size: int) -> Array:

@@ -21,6 +21,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ....core.arrays import RealArray as Array
 from ....core.attributes import labelled
 from ....core.checks import array, frozen_arrays, instance
 from ....core.errors import InputError
@@ -31,7 +32,6 @@ from ..solution import ContactSolution, Status, judged
 from .touching_form import TouchingSystem, touching_system
 from .weak_segments import loaded_and_weak, system_in_direction
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: Forces and gaps that vanish within this part of their scales at an event vanish together.

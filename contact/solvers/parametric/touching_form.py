@@ -17,12 +17,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.arrays import RealArray as Array
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ...problem.modal_basis import ModalBasis
 from ..compiled.compiled_answer import SMALLEST_LOCAL_FRACTION
 from ..touching_system import DenseTouching, TouchingAnswer, TouchingFactor
-
-Array = NDArray[np.float64]
 
 #: Changes after which the matrices are summed anew.
 MAX_UPDATES = 64

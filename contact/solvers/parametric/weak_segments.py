@@ -15,6 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.arrays import RealArray as Array
 from ...problem.certificate import Answer
 from ...problem.complementary_pivoting import lemke
 from ...problem.compliance_matrix import ComplianceMatrix
@@ -23,7 +24,6 @@ from ...problem.programme_forms import lcp
 from ..touching_system import DEPENDENCE_TOLERANCE
 from .touching_form import TouchingSystem, part_of, touching_system
 
-Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
 
 #: A change of force of a weak segment below this, relative to the largest, is rounding.

@@ -15,8 +15,8 @@ from typing import get_args
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ....core.arrays import RealArray as Array
 from ....core.attributes import ordered
 from ....core.checks import number, shown
 from ....core.errors import EaseoffError, InputError, suggestion
@@ -26,8 +26,6 @@ from ...analysis.setting_derivatives import SolvedContact
 from .composite import Composite, Kind
 from .step_programme import Form, judged_objective
 from .trust_region import Merit
-
-Array = NDArray[np.float64]
 
 HARMONIC = re.compile(r"harmonic_([1-9]|1\d|20)")
 WRITTEN = re.compile(r"\s*(?:(drive|coast)\.)?([a-z_0-9]+)\s*(?:@\s*([0-9.eE+]+))?\s*")

@@ -15,10 +15,10 @@ from functools import cached_property, partial
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ....cases.deflections import SYMBOLS, Deflections, with_errors
 from ....cases.schema.case_schema import Case
+from ....core.arrays import RealArray as Array
 from ....core.attributes import ordered
 from ....core.errors import EaseoffError, GeometryError, InputError, suggestion
 from ....geometry.design.synthesis import RootLine
@@ -92,8 +92,6 @@ def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Mis
         assemblies.append(one)
     return assemblies
 
-
-Array = NDArray[np.float64]
 
 #: Change of the root line that a search may make unless told otherwise, over the height of the flank.
 USUAL_CHANGE_RATIO = 0.01

@@ -11,11 +11,10 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....core.arrays import RealArray as Array
 from ....core.checks import frozen_arrays, one_of
 
-Array = NDArray[np.float64]
 Kind = Literal["affine", "greatest", "range", "norm"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 

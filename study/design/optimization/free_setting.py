@@ -9,11 +9,11 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....cases.conversion import gear_pair
 from ....cases.schema.case_schema import Case
 from ....cases.writing import flank_settings
+from ....core.arrays import RealArray as Array
 from ....core.checks import array, shown, words
 from ....core.errors import InputError, suggestion
 from ....geometry.cutting.generating_surface import GeneratingSurface
@@ -33,8 +33,6 @@ from ....geometry.pair.gear_pair import FlankName, GearPair
 from ....geometry.pair.near_pair import PairSetting, is_angle
 from ...analysis.setting_derivatives import CUTTER_KEYS, SIDES, derivative_settings
 from ...analysis.swept_quantity import swept_quantity
-
-Array = NDArray[np.float64]
 
 #: Share of a setting's usual step that changes the ease-off by some micrometres.
 ROUGH_SHARE = 0.01

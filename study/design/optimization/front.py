@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ....cases.deflections import assembly_columns
+from ....core.arrays import RealArray as Array
 from ....core.attributes import labelled
 from ....core.errors import InputError
 from ...result_layout import GROUPS
@@ -25,9 +25,6 @@ from .aim import Aim, Judgement
 from .analysed_settings import AnalysedSettings
 from .setting_search import Outcome, Prices, SettingSearch
 from .trust_region import GAIN_TOLERANCE, Ending, Step, Tolerance
-
-Array = NDArray[np.float64]
-
 
 #: Of the search for a point. Rounding changes as much, and steps towards less mostly fail: they would take a third of
 #: all analyses.

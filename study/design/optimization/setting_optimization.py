@@ -10,7 +10,6 @@ from typing import Literal, get_args
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ....cases.conversion import misalignment as case_misalignment
 from ....cases.deflection_table import MisalignmentSource, misalignments_of
@@ -41,7 +40,6 @@ from .setting_search import Outcome, SettingSearch, first_workshop
 from .step_programme import FORMS, Form
 from .trust_region import USUAL_TOLERANCE
 
-Array = NDArray[np.float64]
 Flanks = Literal["drive", "coast", "both"]
 
 STEP_LIMIT, POINT_LIMIT, USUAL_POINT_COUNT = 1000, 1000, 9

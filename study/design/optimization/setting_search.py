@@ -11,9 +11,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....cases.schema.case_schema import Case
+from ....core.arrays import RealArray as Array
 from ....core.checks import frozen_arrays
 from ....core.errors import EaseoffError
 from .aim import EaseOffForm, Judgement
@@ -28,8 +28,6 @@ from .step_programme import (
     judged_objective,
 )
 from .trust_region import FIRST_RADIUS, LATER_RADIUS, USUAL_TOLERANCE, Ending, Search, Step, Tolerance, search
-
-Array = NDArray[np.float64]
 
 #: The most searches, each with teeth built anew.
 ROUND_LIMIT = 3

@@ -12,11 +12,10 @@ from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....core.arrays import RealArray as Array
 from .composite import Composite
 
-Array = NDArray[np.float64]
 Form = Literal["weighted", "worst", "pareto"]
 FORMS: tuple[Form, ...] = get_args(Form)
 

@@ -12,12 +12,11 @@ from itertools import takewhile
 from typing import Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....core.arrays import RealArray as Array
 from ....core.errors import EaseoffError
 from .step_programme import VIOLATION_PRICE, LocalModel, StepAnswer, StepProgramme
 
-Array = NDArray[np.float64]
 Ending = Literal["converged", "steps", "no_gain"]
 
 #: Least ratios of the gain to the predicted one for a step to be taken, and for a larger trust region after it.
