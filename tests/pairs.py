@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -20,8 +20,11 @@ from easeoff.geometry import (
     Hand,
     MachineSettings,
     Member,
+    PairGeometry,
     conjugate_pinion,
+    pair_geometry,
 )
+from easeoff.geometry.cutting.blade import Relief
 from easeoff.geometry.pair.gear_pair import thickness_per_angle, tooth_angles
 from easeoff.geometry.pair.tooth_thickness import filling_thickness
 
@@ -121,3 +124,53 @@ def circular_backlash(pair: GearPair) -> float:
     # More than half a pitch too thin is as much too thick, a tooth further on.
     thinner = np.mod(filling - tooth_angles(pair)[0] + pitch / 2.0, pitch) - pitch / 2.0
     return float(thinner) / pair.assembly.ratio * thickness_per_angle(pair.gear)
+
+
+# Blade groups of the hobbed pair, and the blades of its gear.
+GROUPS = 13
+DRIVE = Blade(93.76, math.radians(17.1), "inside", math.radians(12.0), math.radians(3.0), math.radians(5.0))
+COAST = Blade(96.74, math.radians(22.9), "outside", math.radians(11.0), math.radians(-2.0), math.radians(4.0))
+
+
+def hobbed_pair(hand: Hand, *, coast: bool = False) -> GearPair:
+    """A Formate gear and the pinion that is conjugate to it, both face-hobbed."""
+    other_hand: Hand = "right" if hand == "left" else "left"
+    gear = GeneratingSurface(DRIVE, replace(GEAR_MACHINE, indexing_ratio=GROUPS / 41), other_hand, 1)
+    flanks = [gear, replace(gear, blade=COAST)]
+    if coast:
+        flanks.reverse()
+    assembly = Assembly(11, 41, hand, math.pi / 2, 20.0)
+    pinion = [conjugate_pinion(flank, assembly, 9.83) for flank in flanks]
+    return GearPair(
+        Member(11, PINION_BLANK, pinion[0], pinion[1]), Member(41, GEAR_BLANK, flanks[0], flanks[1]), assembly
+    )
+
+
+def mirrored(pair: GearPair) -> GearPair:
+    """The pair with the hands of both members swapped and every other number kept."""
+
+    def other(hand: Hand) -> Hand:
+        return "left" if hand == "right" else "right"
+
+    def surface(one: GeneratingSurface) -> GeneratingSurface:
+        return replace(one, hand=other(one.hand))
+
+    def member(one: Member) -> Member:
+        opposite = None if one.opposite is None else surface(one.opposite)
+        return replace(one, loaded=surface(one.loaded), opposite=opposite)
+
+    assembly = replace(pair.assembly, pinion_hand=other(pair.assembly.pinion_hand))
+    return GearPair(member(pair.pinion), member(pair.gear), assembly)
+
+
+def relieved(
+    pair: GearPair, member: Literal["pinion", "gear"], *, toprem: Relief | None = None, flankrem: Relief | None = None
+) -> PairGeometry:
+    """The pair with a toprem or flankrem at a share of a member's depth, on the default grid."""
+    own = pair.pinion if member == "pinion" else pair.gear
+    ends = own.section.points(np.array([0.5, 0.5]), np.array([0.0, 1.0]))
+    depth = float(np.linalg.norm(ends[:, 1] - ends[:, 0]))
+    low, high = (relief and replace(relief, height=relief.height * depth) for relief in (toprem, flankrem))
+    blade = replace(own.loaded.blade, toprem=low, flankrem=high)
+    changed = replace(own, loaded=replace(own.loaded, blade=blade))
+    return pair_geometry(replace(pair, pinion=changed) if member == "pinion" else replace(pair, gear=changed))

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 from extreme_designs import Extreme
 from numpy.typing import NDArray
-from pairs import DRIVE_BLADE, GEAR_BLANK, GEAR_MACHINE, GENERATED, conjugate_pair
+from pairs import DRIVE_BLADE, GEAR_BLANK, GEAR_MACHINE, GENERATED, GROUPS, conjugate_pair
 from scipy.optimize import brentq
-from test_face_hobbing import GROUPS
 
 from easeoff import InputError
 from easeoff.cases import case_text, gear_pair, parse_case, parse_design, read_case

@@ -17,6 +17,7 @@ import pytest
 import xarray as xr
 from click.testing import CliRunner
 from runs import SHELLS, call, output_of, read_only, refusal_of, small_text, text_file
+from session_scripts import MACHINES, script
 
 import easeoff
 from easeoff import InputError
@@ -331,8 +332,6 @@ def test_convert_goes_to_rexs_and_back_and_says_what_is_lost(tmp_path: Path) -> 
 
 
 def test_convert_reads_session_scripts_and_keeps_the_terminal_safe(tmp_path: Path) -> None:
-    from test_session_script import MACHINES, script
-
     (tmp_path / "pair.ses").write_text(script("LEFT", MACHINES) + "PAINT \x1b[2J RED\n", encoding="utf-8")
     said = output_of("convert", str(tmp_path / "pair.ses"), "-o", str(tmp_path / "pair.toml"))
     assert "PAINT ?[2J RED" in said

@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 from pairs import by_the_dissertation
 from runs import SHELLS, SMALL, call, output_of, refusal_of, small_file
-from test_friction_kinematics import shape_operators, spur
+from spur_pair import shape_operators, spur
 
 import easeoff
 from easeoff import InputError

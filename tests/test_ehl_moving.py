@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 import pytest
-from test_ehl_steady import by_moes
+from ehl_contacts import by_moes
 
 from easeoff import InputError
 from easeoff.friction.ehl import (

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from ehl_contacts import MODULUS, NEWTONIAN, by_moes, contact
 from ehl_penalty import films
 from scipy.integrate import cumulative_simpson
 from scipy.optimize import brentq
@@ -19,41 +20,6 @@ from easeoff.friction.ehl import Film, LubricatedContact, Oil, State, Status, sm
 from easeoff.friction.ehl.film import RESOLUTION_LIMIT
 from easeoff.friction.ehl.hierarchical_matrix import OFFSETS
 from easeoff.friction.ehl.reynolds_equation import History, balance, certify, evaluate
-
-MODULUS = 2.273e11
-NEWTONIAN = math.inf
-
-
-def contact(
-    pressure: float,
-    radius: float,
-    velocity: float,
-    viscosity: float,
-    coefficient: float,
-    *,
-    slide: float = 0.0,
-    eyring: float = NEWTONIAN,
-    modulus: float = MODULUS,
-    compressible: bool = True,
-) -> LubricatedContact:
-    oil = Oil(viscosity, coefficient, eyring_stress=eyring, compressible=compressible)
-    return LubricatedContact(pressure, radius, velocity, oil, slide, modulus)
-
-
-def by_moes(load: float, viscous: float, *, compressible: bool = False) -> LubricatedContact:
-    """A contact with given groups M and L; isoviscous for L = 0."""
-    modulus, radius, viscosity, coefficient = 2.2e11, 0.01, 0.04109, 2e-8
-    speed = 0.5 * (viscous / (coefficient * modulus)) ** 4 if viscous else 1e-11
-    pressure = modulus * math.sqrt(load * math.sqrt(2.0 * speed) / (2.0 * math.pi))
-    return contact(
-        pressure,
-        radius,
-        speed * modulus * radius / viscosity,
-        viscosity,
-        coefficient if viscous else 0.0,
-        modulus=modulus,
-        compressible=compressible,
-    )
 
 
 def by_groups(load: float, speed: float, material: float, *, viscosity: float = 0.04) -> LubricatedContact:

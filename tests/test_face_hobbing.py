@@ -7,21 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from pairs import GEAR_BLANK, GEAR_MACHINE, GENERATED, PARAMETERS, PINION_BLANK
+from pairs import COAST, DRIVE, GENERATED, GROUPS, PARAMETERS, hobbed_pair
 from scipy.spatial.transform import Rotation
 
 from easeoff import InputError
 from easeoff.cases import case_text, gear_pair, parse_case, read_case
 from easeoff.contact import ElasticModel, MeshCycle
 from easeoff.geometry import (
-    Assembly,
     Blade,
     EaseOffTarget,
-    GearPair,
     GeneratingSurface,
     Hand,
-    Member,
-    conjugate_pinion,
     fit_pinion,
     pair_geometry,
 )
@@ -31,24 +27,6 @@ from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
 from easeoff.geometry.vectors import column, cross, dot, rotate_z
 from easeoff.verification.conventional_analysis import both_methods, point_differences
-
-GROUPS = 13
-DRIVE = Blade(93.76, math.radians(17.1), "inside", math.radians(12.0), math.radians(3.0), math.radians(5.0))
-COAST = Blade(96.74, math.radians(22.9), "outside", math.radians(11.0), math.radians(-2.0), math.radians(4.0))
-
-
-def hobbed_pair(hand: Hand, *, coast: bool = False) -> GearPair:
-    """A Formate gear and the pinion that is conjugate to it, both face-hobbed."""
-    other_hand: Hand = "right" if hand == "left" else "left"
-    gear = GeneratingSurface(DRIVE, replace(GEAR_MACHINE, indexing_ratio=GROUPS / 41), other_hand, 1)
-    flanks = [gear, replace(gear, blade=COAST)]
-    if coast:
-        flanks.reverse()
-    assembly = Assembly(11, 41, hand, math.pi / 2, 20.0)
-    pinion = [conjugate_pinion(flank, assembly, 9.83) for flank in flanks]
-    return GearPair(
-        Member(11, PINION_BLANK, pinion[0], pinion[1]), Member(41, GEAR_BLANK, flanks[0], flanks[1]), assembly
-    )
 
 
 def test_face_milling_is_the_case_without_indexing() -> None:

@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 from pairs import conjugate_pair
+from spur_pair import shape_operators, spur
 
 from easeoff import InputError
 from easeoff.cases import gear_pair, read_case
@@ -163,32 +164,6 @@ def test_points_of_action_of_one_moment_lie_along_the_line() -> None:
     assert np.max(np.abs(dot(chord, here.normal))) < 1e-5
 
 
-def spur(radius: float = 0.05, ratio: float = 2.5, pressure_angle: float = 0.35) -> tuple[xr.Dataset, Array]:
-    """Points of action of an involute spur pair, in its plane of action, and the distance [m] from the pitch point."""
-    width, height = np.linspace(0.0, 20.0, 9), np.linspace(-6.0, 6.0, 11)
-    z, s = np.meshgrid(width, height, indexing="ij")
-    direction = np.array([np.sin(pressure_angle), np.cos(pressure_angle), 0.0])
-    position = np.array([1e3 * radius, 0.0, 0.0]) + s[..., None] * direction + z[..., None] * np.array([0.0, 0.0, 1.0])
-    base = 1e3 * radius * np.cos(pressure_angle)
-    shape = (*s.shape, 3)
-    data = xr.Dataset(
-        {
-            "action_position": (("lengthwise", "profile", "space"), position),
-            "action_normal": (("lengthwise", "profile", "space"), np.broadcast_to(direction, shape)),
-            "roll_angle": (("lengthwise", "profile"), s / base),
-        },
-        coords={"lengthwise": np.linspace(0, 1, 9), "profile": np.linspace(0, 1, 11)},
-        attrs={
-            "pinion_axis": [0.0, 0.0, 1.0],
-            "pinion_origin_mm": [0.0, 0.0, 0.0],
-            "gear_axis": [0.0, 0.0, -1.0],
-            "gear_origin_mm": [1e3 * radius * (1.0 + ratio), 0.0, 5.0],
-            "ratio": ratio,
-        },
-    )
-    return data, 1e-3 * s
-
-
 def test_involute_spur_gears_roll_and_slide_as_in_the_textbook() -> None:
     """u1 = r1 sin a + s, u2 = (r2 sin a - s)/R, sliding (1 + 1/R)|s|; the line of contact stays where it is."""
     radius, ratio, angle = 0.05, 2.5, 0.35
@@ -205,30 +180,6 @@ def test_involute_spur_gears_roll_and_slide_as_in_the_textbook() -> None:
     np.testing.assert_allclose(found.line_over_gear, second, rtol=1e-11)
     pitch_point = np.isclose(s, 0.0)
     assert np.max(found.sliding_speed[pitch_point]) < 1e-13
-
-
-def shape_operators(axes: Axes, fields: Any, points: Array) -> tuple[Any, Any]:
-    """What pinion's and gear's conjugate flanks make of a tangent: minus the change of the normal along it.
-
-    From the points of action alone: turning with a member, they and their normals are its flank.
-    """
-    here = surface_velocities(axes, fields, points)
-    slopes = [fields.evaluate(["position", "normal", "roll_angle"], points, d) for d in ((1, 0), (0, 1))]
-
-    def operator(turning: Array, velocity: Array) -> Any:
-        spin = cross(column(turning, here.normal), here.normal)
-        first, second = (s["position"] - s["roll_angle"] * velocity for s in slopes)
-        changes = [s["normal"] - s["roll_angle"] * spin for s in slopes]
-
-        def applied(tangent: Array) -> Array:
-            one, mixed, two = dot(first, first), dot(first, second), dot(second, second)
-            along, across = dot(tangent, first), dot(tangent, second)
-            parts = (two * along - mixed * across, one * across - mixed * along)
-            return np.asarray(-(parts[0] * changes[0] + parts[1] * changes[1]) / (one * two - mixed**2))
-
-        return applied
-
-    return operator(axes.pinion_axis, here.pinion), operator(axes.gear_axis / axes.ratio, here.gear)
 
 
 def test_equivalent_radius_goes_with_the_rolling_velocity(dataset: xr.Dataset) -> None:

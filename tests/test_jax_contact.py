@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-DOCS = Path(__file__).parents[1] / "docs" / "researcher"
+RESEARCHER = Path(__file__).parents[1] / "docs" / "researcher"
 
 
 class Function:
@@ -45,7 +45,7 @@ def example(monkeypatch: pytest.MonkeyPatch) -> Any:
         jax.ShapeDtypeStruct = lambda shape, _: SimpleNamespace(shape=shape)
         monkeypatch.setitem(sys.modules, "jax", jax)
         monkeypatch.setitem(sys.modules, "jax.numpy", np)
-    monkeypatch.syspath_prepend(DOCS)
+    monkeypatch.syspath_prepend(RESEARCHER)
     monkeypatch.delitem(sys.modules, "jax_contact", raising=False)
     return importlib.import_module("jax_contact")
 
@@ -80,7 +80,7 @@ def test_backward_is_the_derivative_of_forward(example: Any) -> None:
 
 def test_gradient_through_jax_itself() -> None:
     jax = pytest.importorskip("jax")
-    sys.path.insert(0, str(DOCS))
+    sys.path.insert(0, str(RESEARCHER))
     example = importlib.import_module("jax_contact")
     slope = jax.jit(jax.grad(example.largest_force))(0.02)
     difference = (example.largest_force(0.02 + 1e-7) - example.largest_force(0.02 - 1e-7)) / 2e-7

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
+from pairs import mirrored
 from runs import SMALL, call, output_of, refusal_of, small
-from test_mirror import mirrored
 
 import easeoff
 from easeoff import InputError, analyze, read_case, read_result, write_result

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 import pytest
 import xarray as xr
-from test_face_hobbing import hobbed_pair
+from pairs import hobbed_pair, mirrored
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.contact import ElasticModel, MeshCycle
@@ -19,9 +19,6 @@ from easeoff.geometry import (
     EaseOffTarget,
     FlankName,
     GearPair,
-    GeneratingSurface,
-    Hand,
-    Member,
     Misalignment,
     fit_pinion,
     pair_geometry,
@@ -44,23 +41,6 @@ def crowned_hobbed_pair(flank: FlankName) -> GearPair:
 
 def named(name: str, flank: FlankName) -> GearPair:
     return crowned_hobbed_pair(flank) if name == "face-hobbed" else gear_pair(read_case(name), flank)
-
-
-def mirrored(pair: GearPair) -> GearPair:
-    """The pair with the hands of both members swapped and every other number kept."""
-
-    def other(hand: Hand) -> Hand:
-        return "left" if hand == "right" else "right"
-
-    def surface(one: GeneratingSurface) -> GeneratingSurface:
-        return replace(one, hand=other(one.hand))
-
-    def member(one: Member) -> Member:
-        opposite = None if one.opposite is None else surface(one.opposite)
-        return replace(one, loaded=surface(one.loaded), opposite=opposite)
-
-    assembly = replace(pair.assembly, pinion_hand=other(pair.assembly.pinion_hand))
-    return GearPair(member(pair.pinion), member(pair.gear), assembly)
 
 
 def coarse_solid_shells(pair: GearPair) -> ElasticModel:

@@ -9,9 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from pairs import conjugate_pair
-from test_face_hobbing import hobbed_pair
-from test_mirror import mirrored
+from pairs import conjugate_pair, hobbed_pair, mirrored
 
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.contact.lines.contact_lines import curvature_and_skew

@@ -11,8 +11,8 @@ import pytest
 import xarray as xr
 from held_teeth import anew
 from numpy.typing import NDArray
+from pairs import relieved
 from scipy.optimize import root_scalar
-from test_unloaded import relieved
 from whole_differences import (
     OPERATION,
     Analyses,

@@ -11,9 +11,9 @@ from typing import Any, Literal
 
 import numpy as np
 import pytest
+from closed_teeth import closed_tooth, ring_segment
 from numpy.typing import NDArray
 from runs import output_of, refusal_of
-from test_mesh import closed_tooth, ring_segment
 
 from easeoff import InputError, MissingPackageError
 from easeoff.cases import gear_pair, read_case

@@ -8,8 +8,8 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from pairs import mirrored
 from solver_choice import LIFTING
-from test_mirror import mirrored
 from tooth_models import coarse_solid_shells
 
 from easeoff.cases import gear_pair, read_case

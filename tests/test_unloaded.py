@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 import pytest
 import xarray as xr
-from pairs import conjugate_pair
+from pairs import conjugate_pair, relieved
 from scipy.optimize import brentq, minimize_scalar
 from test_ease_off import contact_path
 
@@ -380,19 +380,6 @@ def test_peak_to_peak_is_that_between_samples_too(name: str, flank: FlankName) -
     for positions in (5, 32):
         own = MeshCycle.of(geometry, mesh_positions=positions).unloaded().attrs["peak_to_peak"]
         assert own == pytest.approx(wanted, abs=0.02)
-
-
-def relieved(
-    pair: GearPair, member: Literal["pinion", "gear"], *, toprem: Relief | None = None, flankrem: Relief | None = None
-) -> PairGeometry:
-    """The pair with a toprem or flankrem at a share of a member's depth, on the default grid."""
-    own = pair.pinion if member == "pinion" else pair.gear
-    ends = own.section.points(np.array([0.5, 0.5]), np.array([0.0, 1.0]))
-    depth = float(np.linalg.norm(ends[:, 1] - ends[:, 0]))
-    low, high = (relief and replace(relief, height=relief.height * depth) for relief in (toprem, flankrem))
-    blade = replace(own.loaded.blade, toprem=low, flankrem=high)
-    changed = replace(own, loaded=replace(own.loaded, blade=blade))
-    return pair_geometry(replace(pair, pinion=changed) if member == "pinion" else replace(pair, gear=changed))
 
 
 ONE_DEGREE = math.radians(1.0)
