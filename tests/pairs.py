@@ -15,6 +15,7 @@ from easeoff.geometry import (
     Blade,
     BlankDesign,
     BlankSection,
+    Flank,
     GearPair,
     GeneratingSurface,
     Hand,
@@ -25,8 +26,10 @@ from easeoff.geometry import (
     pair_geometry,
 )
 from easeoff.geometry.cutting.blade import Relief
-from easeoff.geometry.pair.gear_pair import thickness_per_angle, tooth_angles
+from easeoff.geometry.pair.ease_off import EaseOff, exact_ease_off
+from easeoff.geometry.pair.gear_pair import grid, thickness_per_angle, tooth_angles
 from easeoff.geometry.pair.tooth_thickness import filling_thickness
+from easeoff.verification.conventional_analysis import PointContact, path_of_contact
 
 
 def by_the_dissertation(name: str, **contact: Any) -> Case:
@@ -174,3 +177,14 @@ def relieved(
     blade = replace(own.loaded.blade, toprem=low, flankrem=high)
     changed = replace(own, loaded=replace(own.loaded, blade=blade))
     return pair_geometry(replace(pair, pinion=changed) if member == "pinion" else replace(pair, gear=changed))
+
+
+def surfaces(pair: GearPair, nodes: tuple[int, int] = (13, 9)) -> tuple[Flank, EaseOff]:
+    t, h = grid(nodes)
+    gear = pair.gear.flank(t, h)
+    return gear, exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
+
+
+def contact_path(pair: GearPair, rotations: np.ndarray) -> PointContact:
+    """Conventional point contact, rotations in degrees from the middle of the pinion."""
+    return path_of_contact(*surfaces(pair, (13, 9)), np.radians(rotations))

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
+from tooth_models import FEW
 
 from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case
@@ -37,7 +38,6 @@ from easeoff.verification.surface_cells import cells_on_line
 
 NAME, TORQUE, POSITIONS = "fm-11x41", 250.0, 32
 KEPT = Path(__file__).parent / "data" / "contact_reference" / f"{NAME}.nc"
-FEW = LatticeSize(lengthwise=6, upward=4, through=2, slot=1, beside=1, deep=1, overhang=1)
 
 
 @cache

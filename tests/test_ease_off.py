@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from pairs import conjugate_pair
+from pairs import conjugate_pair, contact_path, surfaces
 
 from easeoff import GeometryError
 from easeoff.cases import gear_pair, read_case
@@ -33,18 +33,11 @@ from easeoff.geometry.flanks.curvature import shape_operator
 from easeoff.geometry.newton import complex_steps
 from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
 from easeoff.geometry.pair.ease_off import SKEW_STEP, EaseOff, exact_ease_off
-from easeoff.geometry.pair.gear_pair import FlankName, grid
+from easeoff.geometry.pair.gear_pair import FlankName
 from easeoff.geometry.vectors import cross, dot
-from easeoff.verification.conventional_analysis import PointContact, path_of_contact
 
 Array = NDArray[Any]
 ARC_SECOND = math.pi / 180 / 3600
-
-
-def surfaces(pair: GearPair, nodes: tuple[int, int] = (13, 9)) -> tuple[Flank, EaseOff]:
-    t, h = grid(nodes)
-    gear = pair.gear.flank(t, h)
-    return gear, exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
 
 
 def spread(result: EaseOff) -> float:
@@ -174,11 +167,6 @@ def test_separation_curvature_is_the_relative_curvature_across_the_contact_line(
     predicted = result.lever_arm[middle] * result.separation_curvature[middle] * slope**2
     assert predicted == pytest.approx(relative, rel=1e-5)
     assert position.shape == (3, 81)
-
-
-def contact_path(pair: GearPair, rotations: np.ndarray) -> PointContact:
-    """Conventional point contact, rotations in degrees from the middle of the pinion."""
-    return path_of_contact(*surfaces(pair, (13, 9)), np.radians(rotations))
 
 
 # Conventional contact analysis of the pair by a separate program, which is no part of this repository: pinion

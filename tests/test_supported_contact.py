@@ -8,12 +8,12 @@ from functools import cache
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from pairs import mirrored
 from solver_choice import LIFTING
+from supported_pairs import FIRST_ORDER, POSITIONS, TORQUES, cycle, found, supports
 from tooth_models import coarse_solid_shells
 
 from easeoff.cases import gear_pair, read_case
-from easeoff.contact import ElasticModel, MeshCycle, available_solvers, solve
+from easeoff.contact import MeshCycle, available_solvers, solve
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.mesh_wrench import MeshWrenches, SupportModes
 from easeoff.contact.supports.assembly_rounds import AssemblyRounds, RoundsStatus, Update
@@ -29,17 +29,14 @@ from easeoff.contact.supports.support import (
 )
 from easeoff.contact.supports.supported_contact import SupportedContact
 from easeoff.contact.supports.supported_pair import PARTS, RelativeMotion
-from easeoff.geometry import Assembly, FlankName, Misalignment, pair_geometry
+from easeoff.geometry import FlankName, Misalignment, pair_geometry
 
 Array = NDArray[np.float64]
-FIRST_ORDER = AssemblyRounds(update="none")
 TO_THE_END: dict[Update, AssemblyRounds] = {
     "none": FIRST_ORDER,
     "mean": AssemblyRounds(limit=1e-6),
     "position": AssemblyRounds(update="position", limit=1e-8),
 }
-TORQUES = [120.0, 400.0]
-POSITIONS = 2
 CASES: list[tuple[str, FlankName]] = [
     ("fm-11x41", "drive"),
     ("fm-11x41", "coast"),
@@ -54,40 +51,6 @@ def on_shared_bodies() -> MeshCycle:
     geometry = pair_geometry(gear_pair(read_case("fm-11x41")), (9, 7))
     model = coarse_solid_shells(geometry.pair, neighbours=True)
     return MeshCycle.of(geometry, model, mesh_positions=POSITIONS, segments_per_line=7)
-
-
-@cache
-def cycle(name: str = "fm-11x41", flank: FlankName = "drive", mirror: bool = False) -> MeshCycle:
-    pair = gear_pair(read_case(name), flank)
-    geometry = pair_geometry(mirrored(pair) if mirror else pair, (9, 7))
-    return MeshCycle.of(geometry, ElasticModel(), mesh_positions=POSITIONS, segments_per_line=7)
-
-
-def support(axis: MemberAxis, distance: float) -> Support:
-    """Two bearings around a point on the axis: stiff along it, less so across; both take an even part."""
-    direction = np.asarray(axis.direction)
-    across = np.eye(3) - np.outer(direction, direction)
-    stiffness = np.zeros((6, 6))
-    stiffness[:3, :3] = 2e5 * across + 3e5 * np.outer(direction, direction)
-    stiffness[3:, 3:] = 8e8 * across
-    return Support.of_stiffness(np.asarray(axis.point) + distance * direction, stiffness, axis)
-
-
-def supports(assembly: Assembly) -> Supports:
-    pinion, gear = member_axes(assembly)
-    return Supports(support(pinion, 60.0), support(gear, 30.0))
-
-
-@cache
-def found(
-    name: str,
-    flank: FlankName,
-    rounds: AssemblyRounds = FIRST_ORDER,
-    mirror: bool = False,
-    edge_contact: bool = True,
-) -> SupportedContact:
-    here = cycle(name, flank, mirror)
-    return here.supported(TORQUES, supports(here.geometry.pair.assembly), rounds=rounds, edge_contact=edge_contact)
 
 
 @pytest.mark.parametrize("edge_contact", [True, False])

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from test_supported_contact import FIRST_ORDER, cycle, found
+from supported_pairs import FIRST_ORDER, cycle, found
 
 from easeoff.cases import gear_pair, read_case
 from easeoff.contact import Supports, identified_support

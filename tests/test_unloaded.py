@@ -10,9 +10,8 @@ from typing import Literal
 import numpy as np
 import pytest
 import xarray as xr
-from pairs import conjugate_pair, relieved
+from pairs import conjugate_pair, contact_path, relieved
 from scipy.optimize import brentq, minimize_scalar
-from test_ease_off import contact_path
 
 from easeoff import GeometryError, InputError
 from easeoff.cases import gear_pair, read_case

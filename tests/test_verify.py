@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from click.testing import CliRunner
-from test_contact_of_flanks import FEW
+from tooth_models import FEW
 
 import easeoff
 from easeoff import GeometryError, InputError

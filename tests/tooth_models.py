@@ -13,7 +13,7 @@ from easeoff.cases.schema.case_schema import ComplianceTable
 from easeoff.contact import STEEL, ElasticModel
 from easeoff.contact.compliance.finite_elements import finite_element_tooth as members
 from easeoff.contact.compliance.finite_elements.tooth_ring import ToothBody
-from easeoff.geometry import GearPair
+from easeoff.geometry import GearPair, LatticeSize
 
 #: Of bricks and functions, by which a tooth takes a fifth of the usual time.
 COARSE = 0.4
@@ -48,3 +48,6 @@ def few_bricks() -> Iterator[None]:
             members, "solid_shell_size", lambda pair, member, fineness=1.0: usual(pair, member, COARSE * fineness)
         )
         yield
+
+
+FEW = LatticeSize(lengthwise=6, upward=4, through=2, slot=1, beside=1, deep=1, overhang=1)
