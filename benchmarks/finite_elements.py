@@ -1,7 +1,7 @@
 """Finite elements of generated teeth: cost, convergence, and the shell beside them. Prints Markdown tables.
 
 ``python benchmarks/finite_elements.py [cost] [shell] [body] [split] [figure] [reference]``: all of them if none is
-named. The last one writes what ``tests/test_solid_shell.py`` compares with.
+named. The last one writes what ``test_solid_shell.py`` compares with.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Sizes of an analysis, and the memory and time that it takes by them: known before it runs.
 
 The analysis keeps every field over torques, mesh positions and segments, and what the teeth bend under a load on each
-segment of the contact lines. Memory is in proportion to these numbers; ``tests/test_analysis_size.py`` compares it with
+segment of the contact lines. Memory is in proportion to these numbers; ``test_analysis_size.py`` compares it with
 the greatest memory of processes that run.
 """
 

@@ -8,7 +8,7 @@ A model is any function from ``ContactConditions`` to friction coefficients.
 
 To add one: a function from conditions (SI, arrays that broadcast) to coefficients, finite without sliding, roughness
 and load; a row in ``COEFFICIENTS`` gives it a name, one in ``RANGE_FLAGS`` the flags of its range, and a row in the
-table of ``docs/engineer/guides/friction.md`` says where it is from. ``tests/test_friction_coefficient.py`` tries every
+table of ``docs/engineer/guides/friction.md`` says where it is from. ``test_friction_coefficient.py`` tries every
 name.
 """
 

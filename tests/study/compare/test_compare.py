@@ -24,6 +24,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from places import DOCS
 from runs import call, output_of, refusal_of
 from solver_choice import BACKENDS, installed
 
@@ -454,7 +455,7 @@ def test_every_variable_says_its_unit_and_meaning(written: list[Path], folder: P
 
 
 def test_columns_of_the_page_are_those_of_the_table(dataset: xr.Dataset) -> None:
-    page = (Path(__file__).parents[1] / "docs" / "researcher" / "compare.md").read_text(encoding="utf-8")
+    page = (DOCS / "researcher" / "compare.md").read_text(encoding="utf-8")
     listed = page.split("## The table\n")[1].split("\n\n")[1]
     assert set(re.findall(r"`(\w+)`", listed)) == {str(name) for name in dataset.data_vars}
 

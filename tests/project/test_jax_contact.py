@@ -6,14 +6,14 @@ import importlib
 import importlib.util
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from places import DOCS
 
-RESEARCHER = Path(__file__).parents[1] / "docs" / "researcher"
+RESEARCHER = DOCS / "researcher"
 
 
 class Function:

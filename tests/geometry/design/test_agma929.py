@@ -6,7 +6,6 @@ import math
 import tomllib
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ import pytest
 from iso23509_symbols import blank_design_from_symbols
 from numpy.typing import NDArray
 from pairs import circular_backlash
+from places import DATA
 from scipy.interpolate import RectBivariateSpline
 
 from easeoff import GeometryError, InputError
@@ -29,7 +29,6 @@ from easeoff.geometry.tooth.tooth_flanks import MemberName, PlacedFlank, placed_
 from easeoff.geometry.tooth.tooth_surface import ToothSide, contact_heights, land_widths, tooth_side, tooth_surface
 from easeoff.study.design.design_check import ToothSpaces, tooth_spaces
 
-DATA = Path(__file__).parent / "data"
 SAMPLES: dict[str, Any] = tomllib.loads((DATA / "agma929_samples.toml").read_text())
 BLANKS: dict[str, Any] = tomllib.loads((DATA / "iso23509_samples.toml").read_text())
 #: The printed inputs are rounded to 1e-5 mm, the angles to 1e-4 degrees, which is 2e-4 mm at a cone distance of 100 mm.

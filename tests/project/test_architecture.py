@@ -18,6 +18,7 @@ from types import ModuleType
 import pytest
 from package_imports import PACKAGE, ROOMS, imports, modules
 from packaging.requirements import Requirement
+from places import ROOT, TESTS
 
 import easeoff
 from easeoff.core.errors import how_to_install
@@ -169,15 +170,20 @@ def test_what_stands_beside_the_package_is_no_part_of_it(name: str) -> None:
 
 def test_every_folder_with_code_is_listed_as_a_package() -> None:
     """A sub-package missing from the list works in a checkout and is absent from the wheel."""
-    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     packages = [name for name, path in modules().items() if path.name == "__init__.py"]
     assert sorted(packages) == sorted(project["tool"]["setuptools"]["packages"])
     assert {path.parent for path in modules().values()} == {modules()[name].parent for name in packages}
 
 
+def test_tests_stand_in_the_folders_of_the_package() -> None:
+    folders = {path.parent.relative_to(TESTS) for path in TESTS.rglob("test_*.py")}
+    assert [str(folder) for folder in sorted(folders) if not (PACKAGE / folder).is_dir()] == ["project"]
+
+
 def test_every_requirement_has_a_lower_bound() -> None:
     """`make lowest` would otherwise take the very first version of a package, or none."""
-    project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     lines = chain(project["dependencies"], *project["optional-dependencies"].values())
     wanted = [Requirement(line) for line in lines]
     own = [requirement for requirement in wanted if requirement.name == "easeoff"]

@@ -19,13 +19,14 @@ from kinds.box import INNER, Box
 from kinds.drawing import KINDS, draw
 from mutations.netcdf_mutations import Group, Variable, load, save
 from mutations.option_values import OPTIONS
+from places import ROOT
 from processes import Limits, Outcome, forked
 from writing_runs import content, equal
 
 from easeoff.study.cli import main
 
 COMMANDS = list(main.commands.items())
-FUZZ = Path(__file__).parents[1] / "fuzz"
+FUZZ = ROOT / "fuzz"
 
 pytestmark = pytest.mark.skipif(not hasattr(os, "fork"), reason="needs forked processes")
 

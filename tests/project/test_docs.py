@@ -19,6 +19,7 @@ import pytest
 from browser import Browser, chromium
 from click.testing import CliRunner
 from PIL import Image
+from places import ROOT
 from runs import SMALL
 
 import easeoff
@@ -36,7 +37,6 @@ from easeoff.study.cli import main
 from easeoff.study.library import entries, reference_answers
 from easeoff.study.library.library_files import labels
 
-ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 #: Pages by their place under docs, such as "python/recipes".
 PAGES = {

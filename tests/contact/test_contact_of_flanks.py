@@ -5,12 +5,12 @@ from __future__ import annotations
 import importlib
 from collections.abc import Iterator
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import xarray as xr
+from places import DATA
 from tooth_models import FEW
 
 from easeoff import InputError
@@ -37,7 +37,7 @@ from easeoff.verification.flank_response import thinner_edges
 from easeoff.verification.surface_cells import cells_on_line
 
 NAME, TORQUE, POSITIONS = "fm-11x41", 250.0, 32
-KEPT = Path(__file__).parent / "data" / "contact_reference" / f"{NAME}.nc"
+KEPT = DATA / "contact_reference" / f"{NAME}.nc"
 
 
 @cache

@@ -6,7 +6,6 @@ import math
 import tomllib
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from iso23509_symbols import (
 )
 from numpy.typing import NDArray
 from pairs import MILLED
+from places import DATA
 from scipy.optimize import minimize
 
 import easeoff
@@ -31,7 +31,7 @@ from easeoff.geometry.design.iso23509.pitch_cones import PitchCones, crown_gear
 from easeoff.study.report.cycle_charts import _weighted_mean
 from easeoff.study.report.report_tables import ROWS, dimension_rows, implied_dimensions
 
-SAMPLES: dict[str, Any] = tomllib.loads((Path(__file__).parent / "data" / "iso23509_samples.toml").read_text())
+SAMPLES: dict[str, Any] = tomllib.loads((DATA / "iso23509_samples.toml").read_text())
 Vector = NDArray[np.float64]
 
 

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from extreme_designs import EXTREMES, Extreme
 from pairs import by_the_dissertation, circular_backlash
+from places import DOCS
 from runs import output_of, refusal_of, replaced
 
 import easeoff
@@ -364,7 +365,7 @@ def test_errors_of_the_wide_offset_pair_are_near_the_dissertations() -> None:
 
 SUPPORTS = {"axle-10x41": None, "axle-hobbed-11x39": None, "aero-12x36": "gearbox-nasa-12x36"}
 NOMINAL = 200.0  # [N m]
-DESIGNS = Path(__file__).parents[1] / "docs" / "engineer" / "designs"
+DESIGNS = DOCS / "engineer" / "designs"
 PAGES = sorted(DESIGNS.glob("*.md"))
 
 

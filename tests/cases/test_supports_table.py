@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
+from places import DOCS
 from runs import text_file
 
 from easeoff.cases import (
@@ -279,7 +280,7 @@ def test_shipped_shafts_fit_their_blanks(supports: str) -> None:
 
 
 def test_the_page_has_the_numbers_of_the_shipped_systems() -> None:
-    page = (Path(__file__).parents[1] / "docs" / "engineer" / "guides" / "supports.md").read_text(encoding="utf-8")
+    page = (DOCS / "engineer" / "guides" / "supports.md").read_text(encoding="utf-8")
     told = re.search(r"is (\d+) and (\d+) kN/mm across the axis of the pinions, (\d+) and (\d+) kN/mm", page)
     assert told is not None
     across = []
@@ -292,7 +293,7 @@ def test_the_page_has_the_numbers_of_the_shipped_systems() -> None:
 
 
 def test_the_tables_of_the_page_are_supports() -> None:
-    page = (Path(__file__).parents[1] / "docs" / "engineer" / "guides" / "supports.md").read_text(encoding="utf-8")
+    page = (DOCS / "engineer" / "guides" / "supports.md").read_text(encoding="utf-8")
     shaft, stiffness, displacement, matrix = re.findall(r"^```toml\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
     case = parse_case(case_text("nasa-12x36") + shaft)
     assert isinstance(support_system(case), Supports)

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from places import DATA
 from runs import small
 from tooth_models import COARSE, with_teeth
 
@@ -38,7 +39,7 @@ from easeoff.geometry import LatticeSize, Misalignment, ToothLattice, tooth_latt
 from easeoff.study import CaseInMesh, WearLaw, wear
 
 Array = NDArray[Any]
-REFERENCE = Path(__file__).parent / "data" / "finite_element_teeth.npz"
+REFERENCE = DATA / "finite_element_teeth.npz"
 TEETH = [(name, member) for name in ("fm-11x41", "fh-12x41-45") for member in ("gear", "pinion")]
 FORCE = 500.0
 

@@ -10,11 +10,11 @@ import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from places import DOCS
 from solver_choice import (
     AGREEMENT,
     BACKENDS,
@@ -35,8 +35,6 @@ from easeoff.study.library import entries, generate, reference_answers
 from easeoff.study.library.library_entries import USUAL_PARTS
 from easeoff.verification import problems
 from easeoff.verification.problem_classes import PROBLEM_CLASSES
-
-DOCS = Path(__file__).parents[1] / "docs"
 
 
 @pytest.mark.parametrize("name", BACKENDS)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import xarray as xr
+from places import DOCS
 
-DATA = Path(__file__).parents[1] / "docs" / "data"
+DATA = DOCS / "data"
 STUDY_FILES = tuple(DATA / name for name in ("friction_study.nc", "friction_study_refined.nc"))
 #: A subset of the first with moving profiles instead, which the formula is not fitted to.
 RIDGES_FILE = DATA / "friction_study_ridges.nc"

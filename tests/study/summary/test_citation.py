@@ -13,6 +13,7 @@ import pytest
 import xarray as xr
 import yaml
 from jsonschema import Draft7Validator
+from places import DOCS, ROOT
 from runs import output_of, refusal_of, small, text_file
 
 import easeoff
@@ -35,7 +36,6 @@ from easeoff.study.summary.citation import (
     result_sources,
 )
 
-ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
 
@@ -229,7 +229,6 @@ def test_problems_of_a_case_say_what_they_are(tmp_path: Path) -> None:
 # --- The paper
 
 
-DOCS = Path(__file__).parents[1] / "docs"
 PAPER = (DOCS / "paper/paper.md").read_text(encoding="utf-8")
 REFERENCES = (DOCS / "paper/paper.bib").read_text(encoding="utf-8")
 _, FRONT, BODY = PAPER.split("---\n", 2)

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from case_strategies import cases
 from hypothesis import HealthCheck, given, settings
+from places import DOCS
 
 from easeoff import InputError
 from easeoff.cases import Case, gear_pair, read_case, read_rexs, shipped_cases, write_rexs
@@ -97,7 +98,7 @@ def test_the_thickness_is_that_of_the_standard(tmp_path: Path) -> None:
 
 def test_every_attribute_of_the_standard_is_in_the_table_of_names() -> None:
     """Keys with a name of REXS that the page does not list are of machine and cutter, explained on other pages."""
-    page = Path(__file__).parents[1].joinpath("docs/engineer/reference/exchange.md").read_text(encoding="utf-8")
+    page = DOCS.joinpath("engineer/reference/exchange.md").read_text(encoding="utf-8")
     table = page.split("### Names of standards")[1].split("### Assumptions")[0]
     for key in (*STAGE_TERMS, *MEMBER_TERMS, *(k for k, term in BLANK_TERMS.items() if not term.custom)):
         assert f"`{key}`" in table, key

@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from numpy.typing import NDArray
+from places import ROOT
 from runs import call, output_of
 from threadpoolctl import threadpool_info, threadpool_limits
 
@@ -128,7 +129,7 @@ def test_every_problem_has_a_reference_answer() -> None:
 
 
 def test_answers_ship_with_the_package() -> None:
-    data = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text())["tool"]["setuptools"]
+    data = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]
     assert data["package-data"]["easeoff.study.library"] == [TABLE]
 
 
