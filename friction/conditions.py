@@ -1,8 +1,6 @@
 """Operating conditions of lubricated line contacts, in SI, and their dimensionless groups.
 
-Film thickness by formulas, and thermal factors of the inlet, by name.
-
-Least film thickness of a smooth, isothermal line contact, by name.
+With formulas by name of the least film thickness of a smooth, isothermal line contact:
 
 >>> from easeoff.friction import FILMS
 >>> list(FILMS)
@@ -10,7 +8,7 @@ Least film thickness of a smooth, isothermal line contact, by name.
 >>> print(f"{FILMS['pan_hamrock'](1e-11, 5000.0, 1.3e-4):.2e}")
 1.58e-05
 
-Thermal factors: by how much the heat of the sheared inlet lowers rolling traction and film thickness.
+and thermal factors, by which the heat of the sheared inlet lowers rolling traction and film thickness:
 
 >>> from easeoff.friction import FILM_FACTORS, THERMAL_FACTORS
 >>> list(THERMAL_FACTORS)

@@ -1,6 +1,6 @@
 """Power loss and efficiency of a pair, from a stored result: the group ``/friction``.
 
-Least film thickness of a mesh cycle, and where it is.
+With the least film thickness of the mesh cycle, and where it is.
 """
 
 from __future__ import annotations

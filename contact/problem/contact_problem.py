@@ -11,7 +11,7 @@ find the normal forces F and the rotation theta of the gear such that
 
 whose equality multiplier is theta and whose bound multipliers are the gaps Y.
 
-A contact problem as an xarray Dataset, with units; and the table of units and meanings that files share.
+As a Dataset, and in files, its numbers have the units and meanings of one table.
 """
 
 from __future__ import annotations

@@ -7,10 +7,9 @@ Between the temperatures of a table the kinematic viscosity v [mm^2/s] follows W
 with T the absolute temperature and A and B of the two neighbours: two temperatures are enough, and a table of more is
 met at each.
 
-Lubricants from their data sheets: viscosities at 40 and 100 degC, density, base oil.
-
-Viscosities follow ASTM D341. Density and pressure-viscosity coefficient are those of ISO/TS 6336-22:2018 (Eq. 17 and 8
-to 11), with T in kelvin and the viscosity eta [Pa s] at 38 degC:
+From a data sheet, with viscosities at 40 and 100 degC, density and base oil, viscosities follow ASTM D341. Density and
+pressure-viscosity coefficient are those of ISO/TS 6336-22:2018 (Eq. 17 and 8 to 11), with T in kelvin and the viscosity
+eta [Pa s] at 38 degC:
 
     density = density at 15 degC - 0.7 (T - 289),    alpha = s eta^t [1 + 516 (1 / T - 1 / 311)]
 

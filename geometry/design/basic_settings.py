@@ -1,19 +1,16 @@
-"""Basic machine settings of a gear from its blank: Formate or generated, face-milled or face-hobbed.
+"""Basic machine settings: of a gear from its blank, and of the pinion that is conjugate to it.
 
-The exactly conjugate pinion of a Formate gear, as settings of a cradle machine.
-
-Cut the pinion on a machine whose cradle axis is the gear axis, whose ratio of roll is the ratio of the pair and whose
+The gear is Formate or generated, face-milled or face-hobbed. To a Formate gear there is an exactly conjugate pinion:
+cut it on a machine whose cradle axis is the gear axis, whose ratio of roll is the ratio of the pair and whose
 cutter is the gear's own blade, taken from the other side and, face-hobbed, turning in the same time. The cradle then
 plays the gear, and the pinion is its envelope: the ease-off is zero everywhere. Machine root angle near zero and a
 large cutter tilt are the marks of this set-up.
 
-The pinion that the generating gear of a generated gear cuts from the other side, as settings of a cradle machine.
-
-The cradle of the gear's machine plays a crown gear that rolls on the gear. Let the same crown gear roll on the pinion,
-at the tooth ratio, and let its flank be cut from the other side. Where the axes intersect and the crown gear rolls on
-the pitch cone, all three bodies turn about one instantaneous axis, and gear and pinion are exactly conjugate (Litvin &
-Fuentes 2004, Gear Geometry and Applied Theory, chapter 21). With an offset they are so near the pitch point only.
-"""
+A generated gear shares its generating gear with the pinion: the cradle of its machine plays a crown gear that rolls on
+the gear. Let the same crown gear roll on the pinion, at the tooth ratio, and let its flank be cut from the other side.
+Where the axes intersect and the crown gear rolls on the pitch cone, all three bodies turn about one instantaneous axis,
+and gear and pinion are exactly conjugate (Litvin & Fuentes 2004, Gear Geometry and Applied Theory, chapter 21). With an
+offset they are so near the pitch point only."""
 
 from __future__ import annotations
 

@@ -1,15 +1,10 @@
-"""Widths of the slots at their bottom along the face, and the blade points that fit them.
-
-The tooth along the face: where the ends of both members meet, spiral angles, dedenda and addenda there.
+"""The tooth along the face: widths of slots and top lands, and the blade points and edge radii that fit them.
 
 A place is given by the cone distance of one member. Pinion and gear touch in the pitch plane, in which the tooth
 line of the gear is that of its crown gear; the pinion's apex lies beside the gear's by the offset.
 
-Largest edge radii of the cutters: no interference of fillets, blades that can be made, no mutilation.
-
-Widths of the top lands along the face.
-
-The edge radius of a cutter's blades where a design gives none: that of the basic rack, as far as it fits.
+Edge radii are bounded by the interference of fillets, by blades that can be made, and by mutilation. Where a design
+gives none, the cutter's blades get that of the basic rack, as far as it fits.
 """
 
 from __future__ import annotations

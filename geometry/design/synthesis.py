@@ -1,8 +1,6 @@
 """Pinion settings from a target ease-off: least squares on the machine settings, from the exactly conjugate pinion.
 
-The residual of a fit of pinion settings: ease-off less target at the nodes, and the blade tips' way off the root.
-
-The path of a blade's tip against the root cone of the blank.
+The residual is ease-off less target at the nodes, with the blade tips' way off the root cone of the blank.
 """
 
 from __future__ import annotations

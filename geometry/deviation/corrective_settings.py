@@ -8,14 +8,11 @@ do to first order only.) Two flanks that share a set-up share its settings in on
 Turning the tooth is no change of form: a rotation of each flank is left out or, where the thickness of the tooth was
 measured, one rotation of both.
 
-Least squares on the settings of one set-up: the settings that would have made the measured flanks.
-
-Settings are counted in usual steps. Combinations of them that hardly change the flanks are not determined by any
-measurement. They are told, and taken so that the blade's tip stays on its root line as well as small steps of them let
-it; of all changes with the same effect on flanks and root the smallest are taken. Of those that are determined the ones
-with the least effect are left at the design while what they could still correct is next to nothing (truncated least
-squares).
-"""
+In the least squares of a set-up settings are counted in usual steps. Combinations of them that hardly change the flanks
+are not determined by any measurement. They are told, and taken so that the blade's tip stays on its root line as well
+as small steps of them let it; of all changes with the same effect on flanks and root the smallest are taken. Of those
+that are determined the ones with the least effect are left at the design while what they could still correct is next to
+nothing (truncated least squares)."""
 
 from __future__ import annotations
 

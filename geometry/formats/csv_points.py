@@ -3,8 +3,6 @@
 Columns may be separated by semicolons or tabs, then also with decimal commas. A measured grid has one more column,
 ``deviation``; or three more, the measured coordinates.
 
-Text in columns: comment lines ``# key: value``, the separator of the columns, and cells with a decimal point.
-
 A spreadsheet changes what it saves: with a decimal comma it separates columns by semicolons or tabs, it pads short
 lines with separators, and it quotes what holds one. All that is read.
 """

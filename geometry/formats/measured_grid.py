@@ -1,6 +1,7 @@
 """Measured grids: nominal points, their normals and the deviations measured there; their files.
 
-Deviations also come as plain matrices, or as a table of numbers without points: a row of the grid a line, or a column.
+Deviations also come as plain matrices, or as a table of numbers
+without points: a row of the grid a line, or a column.
 
 Comment lines before the table say what it holds; nothing is guessed:
 
@@ -9,12 +10,10 @@ Comment lines before the table say what it holds; nothing is guessed:
 - ``# deviation_unit: um`` or ``mm``
 - ``# margin_toe_mm: 3.0`` and so on for heel, root and tip, where the margins are not those of ``cmm_points``
 
-Measured points in the Dimensional Measuring Interface Standard, DMIS (ANSI/DMIS 105.2, ISO 22093).
-
-Of the language only what a grid of points takes: ``F(label)=FEAT/POINT,CART,x,y,z,i,j,k`` for a nominal point with its
-outward normal, ``FA(label)=FEAT/POINT,CART,...`` for the measured one, ``UNITS/MM`` or ``UNITS/INCH``, comments after
-``$$`` and lines continued by ``$``. Other statements are passed over. Labels tell flank, row and column:
-``CONCAVE_R1_C1`` for the root at the toe.
+Of the Dimensional Measuring Interface Standard, DMIS (ANSI/DMIS 105.2, ISO 22093), only what a grid of points takes:
+``F(label)=FEAT/POINT,CART,x,y,z,i,j,k`` for a nominal point with its outward normal, ``FA(label)=FEAT/POINT,CART,...``
+for the measured one, ``UNITS/MM`` or ``UNITS/INCH``, comments after ``$$`` and lines continued by ``$``. Other
+statements are passed over. Labels tell flank, row and column: ``CONCAVE_R1_C1`` for the root at the toe.
 
 The standard is sold; this follows what is public of it. A file of results as the Dimensional Metrology Standards
 Consortium's own example program writes it (github.com/QualityInformationFramework/qif-community, ``demoQIFin.py``):

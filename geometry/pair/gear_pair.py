@@ -1,7 +1,4 @@
-"""A gear pair, and the three results of its geometry: flanks, ease-off and teeth.
-
-Results of the geometry as labelled datasets, with units and long names.
-"""
+"""A gear pair, and the three results of its geometry as labelled datasets: flanks, ease-off and teeth."""
 
 from __future__ import annotations
 

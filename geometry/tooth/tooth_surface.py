@@ -4,17 +4,9 @@ A flank ends where the blade's edge radius begins to cut; from there the edge ra
 Lines of equal lengthwise fraction run from the root land over fillet, flank and top land, so that all patches share
 their borders.
 
-Height of a blade's tip above the root cone at the bottom of the slot that it cuts.
-
-How deep the mate's tip reaches: the least height above the root at which the flanks of a pair touch.
-
-Toe and heel faces of a tooth: how they stand to its loaded flank, and how high they are.
-
-The ends of spiral teeth are blunt or sharp wedges.
-
-Widths of the lands between generated flanks: at the tip of a tooth, and at the bottom of its slot.
-
-The real tooth as a labelled dataset: points and normals of both sides from root land to tip, and its thickness.
+With it come what the tooth is bounded by: the blade's tip above the root cone, the depth that the mate's tip reaches,
+toe and heel faces (the ends of spiral teeth are blunt or sharp wedges), the widths of the lands; and the tooth as a
+labelled dataset.
 """
 
 from __future__ import annotations
