@@ -10,7 +10,8 @@ A generated gear shares its generating gear with the pinion: the cradle of its m
 the gear. Let the same crown gear roll on the pinion, at the tooth ratio, and let its flank be cut from the other side.
 Where the axes intersect and the crown gear rolls on the pitch cone, all three bodies turn about one instantaneous axis,
 and gear and pinion are exactly conjugate (Litvin & Fuentes 2004, Gear Geometry and Applied Theory, chapter 21). With an
-offset they are so near the pitch point only."""
+offset they are so near the pitch point only.
+"""
 
 from __future__ import annotations
 

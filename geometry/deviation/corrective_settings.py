@@ -12,7 +12,8 @@ In the least squares of a set-up settings are counted in usual steps. Combinatio
 are not determined by any measurement. They are told, and taken so that the blade's tip stays on its root line as well
 as small steps of them let it; of all changes with the same effect on flanks and root the smallest are taken. Of those
 that are determined the ones with the least effect are left at the design while what they could still correct is next to
-nothing (truncated least squares)."""
+nothing (truncated least squares).
+"""
 
 from __future__ import annotations
 

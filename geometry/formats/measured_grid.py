@@ -1,7 +1,6 @@
 """Measured grids: nominal points, their normals and the deviations measured there; their files.
 
-Deviations also come as plain matrices, or as a table of numbers
-without points: a row of the grid a line, or a column.
+Deviations also come as plain matrices, or as a table of numbers without points: a row of the grid a line, or a column.
 
 Comment lines before the table say what it holds; nothing is guessed:
 
