@@ -93,7 +93,7 @@ WITH_CODE = [name for name in PAGES if blocks(PAGES[name].read_text(encoding="ut
 
 
 def with_few_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Shipped cases have few mesh positions, segments and nodes; their teeth and those of shipped designs are shells."""
+    """Shipped cases have few mesh positions, segments and nodes; teeth, of shipped designs too, are shells."""
     find = FileKind.find
     few = "\n".join(f"{key} = {value}" for key, value in SMALL.items())
 
