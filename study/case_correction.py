@@ -106,7 +106,7 @@ class CaseCorrection:
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> found = correct_case(read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"})
+    >>> found = correct_case(read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}, free=["machine_root_angle"])
     >>> isinstance(found, CaseCorrection), list(found.corrections)
     (True, ['gear'])
     """

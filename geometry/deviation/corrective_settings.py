@@ -184,7 +184,8 @@ def corrective_settings(
     >>> gear = gear_pair(read_case("fm-11x41")).gear
     >>> wrong = {"radial_distance": gear.loaded.settings.radial_distance + 0.2}
     >>> measured = [departure(m, with_settings(m.loaded, wrong)) for m in (gear, gear.from_opposite)]
-    >>> correction = corrective_settings(gear, measured[0], opposite=measured[1])
+    >>> free = ["machine_root_angle", "radial_distance"]
+    >>> correction = corrective_settings(gear, measured[0], opposite=measured[1], free=free)
     >>> correction.rms < 0.02 * correction.rms_before
     True
     """

@@ -586,7 +586,8 @@ def topography(
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.study.correct_case(easeoff.read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"})
+    >>> case, measured = easeoff.read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}
+    >>> found = easeoff.study.correct_case(case, measured, free=["machine_root_angle"])
     >>> figure = easeoff.plot.topography(found.corrections["gear"][0])
     >>> len(figure.axes)
     2

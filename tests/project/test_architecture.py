@@ -97,48 +97,41 @@ def test_names_imported_on_first_use_are_there(name: str) -> None:
         _ = package.no_such_name
 
 
-@pytest.mark.parametrize(
-    ("code", "spared"),
-    [
-        ("import easeoff", ["numpy", "click", "xarray", "pandas", "easeoff.study.plot"]),
-        ("import easeoff.study.cli", ["numpy", "pydantic", "xarray", "easeoff.verification"]),
-        (
-            "from easeoff.study.cli import main; main(['--help'], standalone_mode=False)",
-            ["numpy", "scipy", "xarray", "matplotlib", "pydantic", "cvxpy", "qpsolvers", "netCDF4"],
+#: Code and what is not loaded after it, each after what stands above it in one process.
+ONE_BY_ONE: dict[str, dict[str, tuple[str, ...]]] = {
+    "commands": {
+        "import easeoff": ("numpy", "click", "xarray", "pandas", "easeoff.study.plot"),
+        "import easeoff.study.cli": ("numpy", "pydantic", "xarray", "easeoff.verification"),
+        "from easeoff.study.cli import main; main(['--help'], standalone_mode=False)": (
+            *("numpy", "scipy", "xarray", "matplotlib", "pydantic", "cvxpy", "qpsolvers", "netCDF4"),
         ),
-        (
-            "from easeoff.study.cli import main; main(['cases'], standalone_mode=False)",
-            ["xarray", "pandas", "scipy", "netCDF4"],
+        "main(['cases'], standalone_mode=False)": ("xarray", "pandas", "scipy", "netCDF4"),
+        "easeoff.read_case('fm-11x41')": ("xarray", "pandas", "scipy", "netCDF4", "easeoff.contact.loaded"),
+        "import easeoff.study.analysis.case_analysis": (
+            *("scipy.optimize", "scipy.interpolate", "scipy.spatial", "matplotlib"),
         ),
-        (
-            "import easeoff; easeoff.plot.pressure; from easeoff import plot; assert plot is easeoff.plot",
-            ["matplotlib"],
+    },
+    "results": {
+        "import easeoff.study.result": ("scipy", "matplotlib", "pydantic"),
+        "import easeoff.study.summary.load_case_summary, easeoff.study.sweep.sweep_file": (
+            *("scipy", "matplotlib", "pydantic", "easeoff.contact.loaded", "easeoff.study.sweep.parameter_sweep"),
         ),
-        ("import easeoff; easeoff.plot.pressure; import easeoff.study.plot.mesh_cycle_charts", ["matplotlib.pyplot"]),
-        (
-            "import easeoff; easeoff.read_case('fm-11x41')",
-            ["xarray", "pandas", "scipy", "netCDF4", "easeoff.contact.loaded"],
-        ),
-        (
-            "import easeoff.study.analysis.case_analysis",
-            ["scipy.optimize", "scipy.interpolate", "scipy.spatial", "matplotlib"],
-        ),
-        ("import easeoff.study.result", ["scipy", "matplotlib", "pydantic"]),
-        (
-            "import easeoff.study.summary.load_case_summary, easeoff.study.sweep.sweep_file",
-            ["scipy", "matplotlib", "pydantic", "easeoff.contact.loaded", "easeoff.study.sweep.parameter_sweep"],
-        ),
-        (
-            "import easeoff; from easeoff.study.report import report_file, cycle_charts, flank_pictures",
-            ["scipy", "matplotlib"],
-        ),
-    ],
-)
-def test_what_is_not_needed_is_not_loaded(code: str, spared: list[str]) -> None:
+        "from easeoff.study.report import report_file, cycle_charts, flank_pictures": ("scipy", "matplotlib"),
+        "easeoff.plot.pressure; from easeoff import plot; assert plot is easeoff.plot": ("matplotlib",),
+        "import easeoff.study.plot.mesh_cycle_charts": ("matplotlib.pyplot",),
+    },
+}
+
+
+@pytest.mark.parametrize("steps", ONE_BY_ONE.values(), ids=list(ONE_BY_ONE))
+def test_what_is_not_needed_is_not_loaded(steps: dict[str, tuple[str, ...]]) -> None:
     """Most of the processor time of a command went into imports."""
-    code = f"{code}; import sys; print([name for name in {spared!r} if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"
+    lines = ["import sys"]
+    for code, spared in steps.items():
+        lines += [code, f"print('loaded:', [name for name in {spared!r} if name in sys.modules])"]
+    done = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=True)
+    loaded = [line for line in done.stdout.splitlines() if line.startswith("loaded:")]
+    assert dict(zip(steps, loaded, strict=True)) == dict.fromkeys(steps, "loaded: []")
 
 
 def test_modules_import_each_other_in_no_circle() -> None:

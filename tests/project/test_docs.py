@@ -20,7 +20,7 @@ from browser import Browser, chromium
 from click.testing import CliRunner
 from PIL import Image
 from places import ROOT
-from runs import SMALL
+from runs import SHELLS, SMALL
 
 import easeoff
 from easeoff.cases import gear_pair, parse_case, parse_design
@@ -93,7 +93,7 @@ WITH_CODE = [name for name in PAGES if blocks(PAGES[name].read_text(encoding="ut
 
 
 def with_few_points(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Shipped cases have few mesh positions, segments and nodes, shipped designs plain shells."""
+    """Shipped cases have few mesh positions, segments and nodes; teeth, of shipped designs too, are shells."""
     find = FileKind.find
     few = "\n".join(f"{key} = {value}" for key, value in SMALL.items())
 
@@ -101,8 +101,8 @@ def with_few_points(monkeypatch: pytest.MonkeyPatch) -> None:
         text, folder = find(kind, name_or_path)
         if kind is CASE and name_or_path in CASE.names():
             text = text.replace("[contact]", f"[contact]\n{few}")
-        elif kind is DESIGN and name_or_path in DESIGN.names():
-            text += '\n[compliance]\nmodel = "shell"\n'
+        if name_or_path in kind.names() and kind in (CASE, DESIGN):
+            text += SHELLS
         return text, folder
 
     monkeypatch.setattr(FileKind, "find", found)

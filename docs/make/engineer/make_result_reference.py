@@ -35,7 +35,7 @@ def coarse_analysis() -> xr.DataTree:
 
     That is more than one result ever has: the variables of any, with few numbers.
     """
-    changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.25)}
+    changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.2, neighbours=False)}
     case = easeoff.read_case("fm-11x41").model_copy(update=changed)
     worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
     tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})

@@ -379,7 +379,7 @@ def test_uncertified_results_are_reported_with_exit_code_1(
     assert np.count_nonzero(np.isnan(found["transmission_error"].values)) == 1
     assert "2 of 3" in result_summary(tree)
     loaded_pictures = [name for name in PICTURES if name != "ease_off"]
-    drawn = write_pictures(tree, tmp_path / "p", names=loaded_pictures)
+    drawn = write_pictures(tree, tmp_path / "p", names=loaded_pictures, dpi=30)
     assert [path.name for path in drawn] == [f"small-drive-{name}.png" for name in loaded_pictures]
 
 

@@ -300,13 +300,13 @@ def test_load_cases_of_both_flanks_are_drawn_into_their_folders(tmp_path: Path) 
     axes = Figure().subplots(1, 3)
     plot.load_cases(tree, axes=axes)
     assert all(one.has_data() for one in axes)
-    written = plot.write_pictures(tree, tmp_path, names=["load_cases", "pressure"])
+    written = plot.write_pictures(tree, tmp_path, names=["load_cases", "pressure"], dpi=30)
     assert [path.relative_to(tmp_path).as_posix() for path in written] == [
         "nasa-12x36-load_cases.png",
         "climb/nasa-12x36-drive-pressure.png",
         "brake/nasa-12x36-coast-pressure.png",
     ]
-    (only,) = plot.write_pictures(tree, tmp_path, names="load_sharing", flank="coast")
+    (only,) = plot.write_pictures(tree, tmp_path, names="load_sharing", flank="coast", dpi=30)
     assert only == tmp_path / "brake" / "nasa-12x36-coast-load_sharing.png"
     with pytest.raises(InputError, match="torque: must go with a result of 'easeoff run' without load cases"):
         plot.write_pictures(tree, tmp_path, torque=50.0)
