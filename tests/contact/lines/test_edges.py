@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 from runs import small
-from tooth_models import coarse_solid_shells
+from tooth_models import coarse_solid_shells, with_teeth
 
 from easeoff import analyze, read_case
 from easeoff.cases import gear_pair
@@ -234,7 +234,9 @@ def test_a_little_load_touches_no_edge() -> None:
 @cache
 def at_500(model: str, edges: bool, **argument: Any) -> xr.DataTree:
     """Analysed with the word of the case file, and perhaps with the argument."""
-    return analyze(small("fm-11x41", model, edge_contact=edges, mesh_positions=2), torques=[500.0], **argument)
+    case = small("fm-11x41", edge_contact=edges, mesh_positions=2)
+    teeth: dict[str, Any] = {} if model == "shell" else {"fineness": 0.3, "neighbours": False}
+    return analyze(with_teeth(case, model, **teeth), torques=[500.0], **argument)
 
 
 def on_edges(tree: xr.DataTree) -> tuple[int, bool]:

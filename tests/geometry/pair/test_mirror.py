@@ -54,9 +54,9 @@ def analysed(pair: GearPair, *, solid: bool = False, whole: bool = True) -> dict
 
     With teeth as shells or as solid shells.
     """
-    geometry = pair_geometry(pair, (17, 13))
+    geometry = pair_geometry(pair, (11, 9))
     model = coarse_solid_shells(pair) if solid else ElasticModel()
-    cycle = MeshCycle.of(geometry, model, mesh_positions=4, segments_per_line=15)
+    cycle = MeshCycle.of(geometry, model, mesh_positions=3, segments_per_line=9)
     loaded, _ = cycle.loaded([60.0, 250.0])
     contact = {"ease_off": geometry.ease_off, "loaded": loaded}
     if not whole:

@@ -10,8 +10,9 @@ from typing import Any, Literal
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from pairs import by_the_dissertation
-from runs import call, output_of, refusal_of, replaced, small_text, text_file
+from runs import SHELLS, call, output_of, refusal_of, replaced, small_text, text_file
 
 import easeoff
 from easeoff.cases import Case, gear_pair, parse_case, read_case, shipped_cases, write_case
@@ -118,7 +119,7 @@ def test_blanks_that_contradict_the_axes_or_the_tooth_numbers_are_noted(pattern:
 
 
 def test_contradicting_blanks_are_noted_wherever_a_result_is_read(tmp_path: Path) -> None:
-    text = replaced(small_text("nasa-12x36"), r"^shaft_angle = 90.0$", "shaft_angle = 90.5")
+    text = replaced(small_text("nasa-12x36", SHELLS), r"^shaft_angle = 90.0$", "shaft_angle = 90.5")
     path = text_file(tmp_path / "angle.toml", text)
     words = "Warning: the pitch cones of pinion and gear are 0.71 mm apart"
     assert words.removeprefix("Warning: ") in case_warnings(read_case(path))[1][0]
@@ -135,7 +136,17 @@ def test_a_lost_sign_is_noted_by_run_and_show_and_changes_no_exit_code(tmp_path:
     assert "Note: the ease-off reaches" in call("show", out).output
 
 
-def test_a_result_whose_flanks_do_not_touch_without_load_is_read_again(tmp_path: Path) -> None:
+def test_a_result_whose_flanks_do_not_touch_without_load_is_read_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # Here it counts that all is drawn, not how finely.
+    drawn = FigureCanvasAgg.print_png
+
+    def print_coarse(canvas: FigureCanvasAgg, *given: Any, **keywords: Any) -> None:
+        canvas.figure.set_dpi(20)
+        drawn(canvas, *given, **keywords)
+
+    monkeypatch.setattr(FigureCanvasAgg, "print_png", print_coarse)
     data = coarse("fm-11x41", edge_contact=True).model_dump()
     data["contact"].update(mesh_positions=3, lengthwise_nodes=9, profile_nodes=7)
     data["pinion"]["concave"]["machine"]["work_offset"] *= -1.0
