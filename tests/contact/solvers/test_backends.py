@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import concurrent.futures
+import importlib
 import math
 import multiprocessing
 import re
-import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from places import DOCS
+from runs import in_copies
 from solver_choice import (
     AGREEMENT,
     BACKENDS,
@@ -301,11 +302,15 @@ def test_process_that_was_forked_uses_what_it_inherits() -> None:
 
 
 def test_solvers_that_are_not_behind_qpsolvers_run_without_it() -> None:
-    code = (
-        "import sys; sys.modules['qpsolvers'] = None\n"
-        "from easeoff.contact import ContactProblem, solve\n"
-        "problem = ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))\n"
-        "print([solve(problem, name).status.name for name in ('native', 'lemke', 'cvxpy')])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout == f"{['CERTIFIED'] * 3}\n"
+    """In a copy of this process that imports the package anew."""
+
+    def solve_without(_: int) -> None:
+        for name in [name for name in sys.modules if name.split(".")[0] in ("easeoff", "qpsolvers")]:
+            del sys.modules[name]
+        sys.modules["qpsolvers"] = None  # type: ignore[assignment]
+        contact = importlib.import_module("easeoff.contact")
+        problem = contact.ContactProblem([0.0, 1e-3], [50.0, 50.0], 1e4, ([1e-5, 1e-5], [[1e-3], [2e-3]]))
+        found = [contact.solve(problem, name).status.name for name in ("native", "lemke", "cvxpy")]
+        assert found == ["CERTIFIED"] * 3
+
+    in_copies(1, solve_without)
