@@ -140,7 +140,7 @@ def test_a_result_whose_flanks_do_not_touch_without_load_is_read_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # Here it counts that all is drawn, not how finely.
-    drawn = FigureCanvasAgg.print_png
+    drawn: Any = FigureCanvasAgg.print_png
 
     def print_coarse(canvas: FigureCanvasAgg, *given: Any, **keywords: Any) -> None:
         canvas.figure.set_dpi(20)
