@@ -1,12 +1,7 @@
-"""Exceptions of the package, and the words of their messages: text made harmless, suggestions, sizes.
+"""Exceptions of the package, one tree to catch all of them at once, and the words of their messages.
 
-The exceptions of the package: one tree, so that a caller can catch all of them at once.
-
-Foreign text in messages and tables: harmless to a terminal, and of bounded length.
-
-Suggestion of a known name for one that is misspelt.
-
-Sizes of memory and times in words, to two figures.
+Foreign text is made harmless to a terminal and of bounded length, a known name is suggested for one that is misspelt,
+sizes of memory and times are told to two figures.
 """
 
 from __future__ import annotations

@@ -1,10 +1,7 @@
-"""Hooks of imports: calls after the import of a package, the fence of a checkout, figures in notebooks.
+"""Hooks of imports: calls after the import of another package, the fence of a checkout, figures in notebooks.
 
-A call after the import of another package, which is not imported for it.
-
-In a checkout the folder of the package holds tests and docs, too: they cannot be imported from it.
-
-Figures that show themselves in a notebook.
+The other package is not imported for the call. In a checkout the folder of the package holds tests and docs, too: they
+cannot be imported from it.
 """
 
 from __future__ import annotations

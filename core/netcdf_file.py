@@ -1,15 +1,10 @@
-"""netCDF files, read and written.
+"""netCDF files, read with every fault as one message, and written whole or not at all.
 
-netCDF files: what the header declares is checked before any data are read, and every fault is one message.
-
-The libraries for netCDF and HDF5 crash on some damaged files; they read in a process of their own.
-
-Links of an HDF5 file that lead out of it or round in circles; a file that netCDF writes has none of them.
+What the header declares is checked before any data are read. The libraries for netCDF and HDF5 crash on some damaged
+files; they read in a process of their own.
 
 The netCDF library follows links to other files without a question, and ends the process in a circle of groups. Neither
-can be told not to; h5py names a link before it is followed.
-
-netCDF-4 files: a dataset or a tree of them, written whole or not at all.
+can be told not to; h5py names a link before it is followed. A file that netCDF writes has no such links.
 """
 
 from __future__ import annotations

@@ -1,15 +1,7 @@
-"""Settings of processes: environment, BLAS threads, freed memory, search for circles of objects.
-
-Environment of the processes that the package starts.
-
-Threads of the linear algebra library.
+"""Settings of processes: environment of those started, BLAS threads, freed memory, search for circles of objects.
 
 The matrices of a contact analysis are small: shared out over threads they take longer, and threads that wait take
 processor time as well. How a product is shared out also decides its last bit.
-
-Memory that a process has freed.
-
-Search for objects that refer to each other in circles, which Python does while it computes.
 """
 
 from __future__ import annotations

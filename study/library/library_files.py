@@ -1,10 +1,6 @@
-"""Files of the library: its problems made, checked and written.
+"""Files of the library: the problems of a part with their labels and reference answers, made, checked and written.
 
-Library files: the problems of a part with their labels and reference answers, checked and written.
-
-Problem changes: degenerate and badly conditioned problems made from real ones.
-
-The problems of the library from the shipped cases: geometry, contact lines, compliance, solution.
+Problems come from the shipped cases, and degenerate and badly conditioned ones by changes of these.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""Charts of friction: maps of the gear flank, and efficiency over the conditions.
+"""Charts of friction: maps of the gear flank, and efficiency.
 
-Friction maps of the gear flank: velocities, slide-to-roll ratio, radius, lambda ratio, friction, heat.
-
-Efficiency chart: power loss over the mesh cycle, and efficiency over every varied operating condition.
+The maps show velocities, slide-to-roll ratio, radius, lambda ratio, friction and heat; the chart of efficiency shows
+the power loss over the mesh cycle, and efficiency over every varied operating condition.
 """
 
 from __future__ import annotations

@@ -1,12 +1,6 @@
-"""Citation of the program and of the sources of a result, as text and BibTeX.
+"""Citation of the program and of the sources of a result, as text and BibTeX of ``easeoff cite``.
 
-Text and BibTeX of ``easeoff cite``.
-
-A published work as a line of text and as a BibTeX entry, and the works that models of the package are from.
-
-Published works of the solvers, by the names of the table of solvers.
-
-Published sources that a result rests on, by what its attributes say of pair, elastic teeth, friction and oil.
+A result rests on published works by what its attributes say of pair, elastic teeth, friction, oil and solver.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """Reports of corrections, optimal modifications and searches for settings, as text.
 
-Correction report: global errors, corrective settings and predicted rest of measured flanks, as text.
-
-Modification report: terms of the modification, loads before and after, and warnings, as text.
-
-Report of optimal settings: settings, objectives and limits before and after, multipliers, front, as text.
+- corrections: global errors, corrective settings and predicted rest of measured flanks;
+- modification: its terms, loads before and after, and warnings;
+- optimal settings: settings, objectives and limits before and after, multipliers, front.
 """
 
 from __future__ import annotations

@@ -1,10 +1,7 @@
 """Reports of sweeps, wear and V-H checks, as text.
 
-Report of a sweep: its points, percentiles of the main numbers, sensitivities and worst points, as text.
-
-Wear in words: revolutions and steps, greatest depths, and the transmission error before and after.
-
-Table of a V-H check, as text.
+That of a sweep has its points, percentiles of the main numbers, sensitivities and worst points; that of wear has
+revolutions and steps, greatest depths, and the transmission error before and after.
 """
 
 from __future__ import annotations

@@ -1,9 +1,4 @@
-"""A sweep as a netCDF-4 file, and the layout that it must have.
-
-Dataset of a sweep as a netCDF-4 file.
-
-Layout of the dataset of a sweep: what must be in it for its table and pictures.
-"""
+"""A sweep as a netCDF-4 file, and the layout that it must have for its table and pictures."""
 
 from __future__ import annotations
 

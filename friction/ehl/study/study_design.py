@@ -1,10 +1,7 @@
 """Parameter study of friction with the film model: its design, its cases and its rows.
 
-Design of the parameter study (the dissertation's tables 5.1 and 5.2): levels, oil, and space-filling subsets.
-
-One case of the parameter study: a combination of conditions, computed with the film model.
-
-Parameter study of friction with the film model: one row a combination, from a checkpoint, as a labelled dataset.
+The design (the dissertation's tables 5.1 and 5.2) has levels, an oil, and space-filling subsets. A case, one set of
+conditions, makes one row of a labelled dataset; rows done before are taken from a checkpoint.
 """
 
 from __future__ import annotations
