@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import ast
-import re
 from functools import cache
 from pathlib import Path
 
@@ -12,9 +11,6 @@ import easeoff
 PACKAGE = Path(easeoff.__file__).parent
 #: Folders of the package; each imports from those before it alone.
 ROOMS = ("core", "geometry", "contact", "friction", "cases", "study", "verification")
-
-#: Statements that import, and lines that load a kernel: to parse these alone takes a third of the time.
-STATEMENT = re.compile(r"^[ \t]*(?:from [\w.]+ import (?:\([^)]*\)|.*)|import .*|.*\bkernel\(\".*)", re.MULTILINE)
 
 
 @cache
@@ -35,8 +31,7 @@ def imports(name: str) -> frozenset[str]:
     package = name.split(".") if path.name == "__init__.py" else name.split(".")[:-1]
     stub = path.with_suffix(".pyi")  # of names that are imported on first use
     text = path.read_text(encoding="utf-8") + (stub.read_text(encoding="utf-8") if stub.is_file() else "")
-    statements = "\n".join(statement[0].lstrip() for statement in STATEMENT.finditer(text))
-    for node in ast.walk(ast.parse(statements)):
+    for node in ast.walk(ast.parse(text)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
