@@ -406,9 +406,7 @@ def _unloaded(case: Case, nodes: tuple[int, int], mesh_positions: int) -> Case:
         "profile_nodes": min(nodes[1], contact.profile_nodes),
         "mesh_positions": min(mesh_positions, contact.mesh_positions),
     }
-    return case.model_copy(
-        update={"contact": contact.model_copy(update=grid), "compliance": ComplianceTable(model="shell")}
-    )
+    return case.with_tables(contact=grid).model_copy(update={"compliance": ComplianceTable(model="shell")})
 
 
 def _searched(

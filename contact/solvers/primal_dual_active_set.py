@@ -64,10 +64,10 @@ def primal_dual_active_set(
         point = solve_active_set(problem, index) if solve_set is None else solve_set(index)
         if point is None:
             return None
-        wrong = _wrong_signs(problem, point, active, tolerance)
+        wrong = _wrong_signs(problem, point, tolerance)
         if not wrong.size:
             point.refine()
-            wrong = _wrong_signs(problem, point, active, max(tolerance, 10.0 * SIGN_TOLERANCE))
+            wrong = _wrong_signs(problem, point, max(tolerance, 10.0 * SIGN_TOLERANCE))
             if not wrong.size:
                 return answer_of(point, active.size, iteration)
         if wrong.size < fewest:
@@ -83,9 +83,7 @@ def primal_dual_active_set(
     return None
 
 
-def _wrong_signs(
-    problem: ScaledProblem, point: ActiveSetPoint, active: NDArray[np.bool_], tolerance: float
-) -> NDArray[np.intp]:
+def _wrong_signs(problem: ScaledProblem, point: ActiveSetPoint, tolerance: float) -> NDArray[np.intp]:
     """Segments that pull or penetrate."""
     force, gap = point.force, point.gap
     force_level = tolerance * max(float(force.max()), -float(force.min()))

@@ -22,6 +22,7 @@ import numpy as np
 import xarray as xr
 
 from ...cases.deflection_table import MisalignmentSource
+from ...cases.deflections import ERROR_FIELDS
 from ...cases.schema.case_schema import Case
 from ...contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from ...contact.evaluation.cycle_slopes import CycleSlopes, cycle_values
@@ -56,7 +57,6 @@ CUTTER_KEYS = {
     "blade_hook_angle": "hook_angle",
     "blade_spheric_radius": "blade_curvature",
 }
-ERRORS = {"E": "offset", "P": "pinion_axial", "G": "gear_axial", "Sigma": "shaft_angle"}
 SIDES = {"drive": {"pinion": "concave", "gear": "convex"}, "coast": {"pinion": "convex", "gear": "concave"}}
 
 
@@ -99,7 +99,7 @@ def _settings(pair: GearPair, flank: FlankName) -> list[NamedSetting]:
                 factor = -1.0 / radius**2
             if setting.acts_on(pair):
                 settings.append(NamedSetting(f"{member}.{side}.{key}", setting, factor))
-    for name, error in ERRORS.items():
+    for name, error in ERROR_FIELDS.items():
         settings.append(
             NamedSetting(name, PairSetting("assembly", error), math.radians(1.0) if name == "Sigma" else 1.0)
         )

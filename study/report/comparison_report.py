@@ -134,7 +134,7 @@ NAMED_PROBLEM_LIMIT = 3
 WITHOUT_KIND = "without a kind"
 
 
-def success_tables(dataset: xr.Dataset, problems: Any, named: list[MethodName]) -> list[ReportTable]:
+def success_tables(problems: Any, named: list[MethodName]) -> list[ReportTable]:
     """Claims against certificates, a table for each settings."""
     columns = ["problems", "says solved", "certified", "%", "exact", "polished", "says solved, not certified", "denied"]
     tables = []
@@ -501,9 +501,7 @@ def report_sections(dataset: xr.Dataset) -> list[Section]:
     named = methods(problems, float(dataset.attrs["time_limit_s"]))
     failures = failure_table(dataset, named)
     sections = [
-        Section(
-            "Answers", [*success_tables(dataset, problems, named), success_note(dataset), kind_table(problems, named)]
-        ),
+        Section("Answers", [*success_tables(problems, named), success_note(dataset), kind_table(problems, named)]),
         Section("Run time", [_paragraph(waiting_note(dataset)), run_time_summary(dataset, problems, named)]),
         Section("Parts of the run time", [time_parts(problems, named, time_sources(dataset, named))]),
         Section("Cold and warm starts", [start_table(problems, named)]),

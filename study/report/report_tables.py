@@ -14,6 +14,7 @@ from pydantic import BaseModel
 
 from ...cases.conversion import given_pair
 from ...cases.schema.case_schema import Case, usual_name
+from ...cases.schema.schema_table import extra_of
 from ...cases.writing import with_blanks
 from ...core.attributes import ordered
 from ...core.errors import EaseoffError, printable
@@ -331,8 +332,7 @@ def _compared(owners: list[tuple[str, Any]]) -> list[tuple[str, str, str, list[s
     model: BaseModel = owners[0][1]
     rows = []
     for key, field in type(model).model_fields.items():
-        extra = field.json_schema_extra
-        unit = str(extra["unit"]) if isinstance(extra, dict) and "unit" in extra else ""
+        unit = extra_of(field, "unit")
         values = [getattr(owner, key) for _, owner in owners]
         if not all(isinstance(value, int | float | None) for value in values):
             continue

@@ -7,14 +7,15 @@ from dataclasses import dataclass
 
 from .table import NO_VALUE
 
-#: Operating conditions of friction: labels of axes, and units.
-CONDITION_LABELS = {
-    "speed": "speed of the pinion [1/min]",
-    "torque": "torque at the pinion [N m]",
-    "temperature": "oil temperature [°C]",
-    "roughness": "RMS roughness [µm]",
+_CONDITIONS = {
+    "speed": ("speed of the pinion", "1/min"),
+    "torque": ("torque at the pinion", "N m"),
+    "temperature": ("oil temperature", "°C"),
+    "roughness": ("RMS roughness", "µm"),
 }
-CONDITION_UNITS = {"torque": "N m", "speed": "1/min", "temperature": "°C", "roughness": "µm"}
+#: Operating conditions of friction: labels of axes, and units.
+CONDITION_LABELS = {name: f"{label} [{unit}]" for name, (label, unit) in _CONDITIONS.items()}
+CONDITION_UNITS = {name: unit for name, (_, unit) in _CONDITIONS.items()}
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from ...cases.deflection_table import MisalignmentSource
-from ...cases.deflections import Deflections
+from ...cases.deflections import Deflections, with_errors
 from ...cases.writing import changed_case
 from ...contact.solvers import Status
 from ...core.arrays import Array
@@ -162,12 +162,7 @@ def assembly_errors(setup: SweepSetup, errors: Mapping[str, float]) -> Misalignm
     """The assembly of a point: that of the setup with some errors in place of its constant ones."""
     given = setup.operating.flanks.errors(setup.case)
     base = given.constant if isinstance(given, Deflections) else given
-    misalignment = Misalignment(
-        errors.get("E", base.offset),
-        errors.get("P", base.pinion_axial),
-        errors.get("G", base.gear_axial),
-        math.radians(errors["Sigma"]) if "Sigma" in errors else base.shaft_angle,
-    )
+    misalignment = with_errors(base, errors)
     return given.with_constant(misalignment) if isinstance(given, Deflections) else misalignment
 
 
