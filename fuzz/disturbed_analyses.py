@@ -39,7 +39,6 @@ def analysis(text: str, arguments: dict[str, Any]) -> None:
     from easeoff.study.summary.result_summary import result_summary
     from easeoff.study.summary.result_summary import uncertified
 
-    torques = arguments.get("torques")
     edges = arguments.get("edge_contact")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -49,7 +48,7 @@ def analysis(text: str, arguments: dict[str, Any]) -> None:
             shown = result_summary(tree)
             # The contact problems are not in the result: they are solved again.
             state = CaseInMesh.of(case, flank=arguments["flank"])
-            solved = contact_analysis(state, torques, edge_contact=edges).cases
+            solved = contact_analysis(state, tree["loaded"]["torque"].values, edge_contact=edges).cases
         except EaseoffError as error:
             sys.stderr.write(f"Error: {error}\n")
             sys.exit(2)

@@ -235,9 +235,8 @@ def analyze_load_cases(
         try:
             # Without load a load case with deflections is in the assembly without torque, as in any analysis.
             state = meshes.at(run.flank, run.misalignment if has_own_misalignment(run.row) else given)
-            analysis = contact_analysis(
-                state, [run.row.torque], **operating.contact, progress=told(progress), **options
-            )
+            torques = [run.row.torque]
+            analysis = contact_analysis(state, torques, **operating.contact, progress=told(progress), **options)
             run.tree = with_friction(analysis, run.friction, solver, told(progress)).tree
         except EaseoffError as error:
             run.reason = " ".join(str(error).split())

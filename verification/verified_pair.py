@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..cases.analysis_size import AnalysisSize
 from ..cases.conversion import misalignment as case_misalignment
 from ..cases.deflection_table import MisalignmentSource, misalignment_of
 from ..cases.deflections import misalignment_at
@@ -43,6 +44,7 @@ class VerifiedPair:
     ) -> VerifiedPair:
         """The pair of a case; arguments and raises as of ``verify``."""
         load = np.sort(case_torques(case, torques))
+        AnalysisSize.of(case, load.size).require_memory()
         given = case_misalignment(case.misalignment) if misalignment is None else misalignment_of(misalignment)
         if case.supports is not None:
             deflected = in_assembly_under_load(CaseInMesh.of(case, flank=flank, misalignment=given), load)
@@ -63,7 +65,7 @@ class VerifiedPair:
     @cached_property
     def analysis(self) -> Analysis:
         """Its contact analysis."""
-        return contact_analysis(self.state, self.torques.tolist())
+        return contact_analysis(self.state, self.torques)
 
     @cached_property
     def flanks(self) -> FlanksInMesh:

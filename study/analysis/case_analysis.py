@@ -23,7 +23,7 @@ from ...cases.reading import with_supports
 from ...cases.schema.case_schema import Case, ComplianceTable, ContactTable
 from ...contact.solvers import SOLVERS, SolverChoice, require_solver
 from ...contact.solvers.solver_limits import Limits
-from ...core.checks import instance, one_of, shown
+from ...core.checks import one_of, shown
 from ...core.errors import InputError, suggestion
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
@@ -33,7 +33,7 @@ from ..case_in_mesh import CaseInMesh, FlanksInMesh, checked_case
 from ..deviation_source import Deviated, Source
 from ..progress import shows_progress, told
 from .contact_analysis import OVER_TORQUE, Analysis, contact_analysis, joined_analysis
-from .operating import Friction, FrictionConditions, Operating
+from .operating import Friction, FrictionConditions, Operating, analysis_size
 
 if TYPE_CHECKING:
     from ...contact.supports.assembly_rounds import AssemblyRounds
@@ -241,22 +241,14 @@ def analyze(
     case = checked_case(case)
     flanks = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
     conditions = FrictionConditions(speed, temperature, roughness, oil, friction_model, friction_feedback)
-    operating = Operating(flanks, torques, edge_contact, marking, solver, conditions)
     if isinstance(supports, str | bytes | PathLike):
         case, supports = with_supports(case, supports), None
-    if supports is not None or rounds is not None:
-        from ...contact.supports.assembly_rounds import AssemblyRounds
-        from ...contact.supports.support import LoadedSupports
-
-        instance("supports", supports, LoadedSupports | None)
-        instance("rounds", rounds, AssemblyRounds | None)
-    friction = conditions.of_case(case)
-    operating.size(case, friction).require_memory()  # a torque given twice shows before the work, too
+    operating = Operating(flanks, torques, edge_contact, marking, solver, conditions, supports, rounds)
+    friction, load = conditions.of_case(case), operating.load(case)
+    analysis_size(case, load.size, friction).require_memory()
     state = CaseInMesh.meshed(case, flanks, stage)
     if stage is not None:
         stage("loaded contact")
     report = told(progress)
-    analysis = contact_analysis(
-        state, torques, **operating.contact, supports=supports, rounds=rounds, progress=report, **options
-    )
+    analysis = contact_analysis(state, load, **operating.contact, progress=report, **options)
     return with_friction(analysis, friction, solver, report, stage).tree

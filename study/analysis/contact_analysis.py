@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from ...cases.analysis_size import AnalysisSize
 from ...cases.deflections import Deflections, misalignment_at
 from ...cases.schema.case_schema import Case
 from ...cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range
@@ -268,7 +267,7 @@ def case_torques(case: Case, torques: float | Sequence[float] | None = None) -> 
 @one_blas_thread()
 def contact_analysis(
     state: CaseInMesh,
-    torques: float | Sequence[float] | None = None,
+    torques: Sequence[float] | Array,
     *,
     edge_contact: bool | None = None,
     marking: float | None = None,
@@ -278,14 +277,14 @@ def contact_analysis(
     progress: Callable[[], None] | None = None,
     **options: Any,
 ) -> Analysis:
-    """Analysis of a case's pair in mesh without friction, with its contact problems; arguments as of ``analyze``.
+    """Analysis of a case's pair in mesh without friction, with its contact problems.
 
-    Where the misalignment depends on the torque, every torque is analysed in its assembly.
+    Torques (t) [N m] that ``case_torques`` has checked; other arguments as of ``analyze``. Where the misalignment
+    depends on the torque, every torque is analysed in its assembly.
     """
     case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
-    load = case_torques(case, torques)
-    AnalysisSize.of(case, load.size).require_memory()
     edges = case.contact.edge_contact if edge_contact is None else edge_contact
+    load = np.asarray(torques, dtype=np.float64)
     assemblies = state.assemblies(load)
     for assembly in (state, *(assembly for _, assembly in assemblies)):
         if assembly.deviations:

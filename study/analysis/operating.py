@@ -17,6 +17,8 @@ from .contact_analysis import case_torques
 
 if TYPE_CHECKING:
     from ...cases.schema.friction_table import FrictionTable
+    from ...contact.supports.assembly_rounds import AssemblyRounds
+    from ...contact.supports.support import LoadedSupports
     from ...core.arrays import Array
     from ...friction import FrictionModel, Lubricant, Operation
     from ...friction.operation import Numbers, Roughness
@@ -93,7 +95,7 @@ def operation_of(table: FrictionTable | None, **conditions: Any) -> Operation | 
 
 @dataclass(frozen=True)
 class Operating:
-    """Flanks in mesh, torques at the pinion [N m], contact, solver and friction, as of ``analyze``.
+    """Flanks in mesh, torques at the pinion [N m], contact, solver, friction and supports, as of ``analyze``.
 
     What is ``None`` is the case's own.
     """
@@ -104,9 +106,17 @@ class Operating:
     marking: float | None = None
     solver: SolverChoice = "auto"
     friction: FrictionConditions = field(default_factory=FrictionConditions)
+    supports: LoadedSupports | None = None
+    rounds: AssemblyRounds | None = None
 
     def __post_init__(self) -> None:
         instance("edge_contact", self.edge_contact, bool | None)
+        if self.supports is not None or self.rounds is not None:
+            from ...contact.supports.assembly_rounds import AssemblyRounds
+            from ...contact.supports.support import LoadedSupports
+
+            instance("supports", self.supports, LoadedSupports | None)
+            instance("rounds", self.rounds, AssemblyRounds | None)
         if self.marking is not None:
             checked_thickness(self.marking)
 
@@ -123,11 +133,12 @@ class Operating:
     @property
     def contact(self) -> dict[str, Any]:
         """Keywords of ``contact_analysis``."""
-        return {"edge_contact": self.edge_contact, "marking": self.marking, "solver": self.solver}
+        names = ("edge_contact", "marking", "solver", "supports", "rounds")
+        return {name: getattr(self, name) for name in names}
 
-    def size(self, case: Case, friction: Friction | None) -> AnalysisSize:
-        """Size of the analysis of a case, with its friction."""
-        return analysis_size(case, case_torques(case, self.torques).size, friction)
+    def load(self, case: Case) -> Array:
+        """Torques (t) [N m], checked."""
+        return case_torques(case, self.torques)
 
 
 def analysis_size(case: Case, torques: int, friction: Friction | None) -> AnalysisSize:

@@ -120,9 +120,9 @@ def check_cost(case: Case, size: AnalysisSize) -> None:
 
 
 @contextmanager
-def progress_bar(case: Case, torques: Any) -> Iterator[Progress]:
-    """Show a progress bar on a terminal, with the name of the stage; the case's own torques if ``None``."""
-    total = len(torques or case.contact.torques) * case.contact.mesh_positions
+def progress_bar(case: Case, torques: int) -> Iterator[Progress]:
+    """Show a progress bar on a terminal, with the name of the stage, for a number of torques."""
+    total = torques * case.contact.mesh_positions
     with terminal_bar(total=total, desc="geometry", unit="solve") as bar:
         yield Progress(bar.update, partial(show_stage, bar))
 

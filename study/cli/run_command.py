@@ -44,14 +44,13 @@ def run_load_cases(case: Case, load_cases: str, output: Path, plots: Path | None
     elif not case.load_cases:
         raise click.UsageError("--load-cases = 'case': the case has no tables [[load_cases]]; give a file")
     _refuse_flank(rows or case.load_cases)
-    torques = [row.torque for row in (rows or case.load_cases)]
     check_cost(case, AnalysisSize.of(case, 1))
     for name in SINGLE_CONDITIONS:
         values = options[name]
         if values is not None and len(values) != 1:
             raise click.UsageError(f"--{name}: must be one value with --load-cases")
         options[name] = None if values is None else values[0]
-    with progress_bar(case, torques) as shown:
+    with progress_bar(case, len(rows or case.load_cases)) as shown:
         tree = analyze_load_cases(case, rows, **with_defaults(options), progress=shown.step, stage=shown.stage)
     write_result(tree, output)
     echo(load_case_summary(tree))
@@ -92,7 +91,7 @@ def run(
     if load_cases is None:
         quick_start(alone=options["solver"] == "auto")
     from ..analysis.case_analysis import analyze
-    from ..analysis.operating import Operating
+    from ..analysis.operating import Operating, analysis_size
     from ..result import write_result
     from ..summary.result_summary import outcome, result_notes, uncertified
 
@@ -116,8 +115,9 @@ def run(
         options["friction_model"] = None
     options = with_defaults(options)
     operating = Operating.of(**options)
-    check_cost(checked, operating.size(checked, operating.friction.of_case(checked)))
-    with progress_bar(checked, options["torques"]) as shown:
+    load = operating.load(checked)
+    check_cost(checked, analysis_size(checked, load.size, operating.friction.of_case(checked)))
+    with progress_bar(checked, load.size) as shown:
         tree = analyze(checked, **options, progress=shown.step, stage=shown.stage)
     write_result(tree, output)
     echo(f"wrote {output}: {outcome(tree)}")

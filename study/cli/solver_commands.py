@@ -49,7 +49,7 @@ def problems(
     from ...contact.problem.exchange.problem_file import ProblemSet
     from ...contact.solvers import require_solver
     from ..analysis.contact_analysis import contact_analysis
-    from ..analysis.operating import Operating
+    from ..analysis.operating import Operating, analysis_size
     from ..case_in_mesh import CaseInMesh
     from ..compare.problem_export import check_problem_output, write_problem_set
 
@@ -58,11 +58,12 @@ def problems(
     checked = opened_case(case, None, supports=supports)
     operating = Operating.of(**with_defaults(options))
     require_solver(operating.solver)
-    check_cost(checked, operating.size(checked, None))
-    with progress_bar(checked, operating.torques) as shown:
+    load = operating.load(checked)
+    check_cost(checked, analysis_size(checked, load.size, None))
+    with progress_bar(checked, load.size) as shown:
         state = CaseInMesh.meshed(checked, operating.flanks, shown.stage)
         shown.stage("loaded contact")
-        analysis = contact_analysis(state, operating.torques, **operating.contact, progress=shown.step)
+        analysis = contact_analysis(state, load, **operating.contact, progress=shown.step)
     solved = analysis.cases
     loaded = analysis.tree["loaded"].to_dataset()
     torque, position = loaded["torque"].values, loaded["mesh_position"].values

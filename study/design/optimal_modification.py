@@ -172,7 +172,7 @@ def modify(
     full_contact = stacked([contact.held(none, cycles) for cycles, contact in contacts])
     optimum = optimal_modification(solved, start, full_contact, goal, programmes=programmes, progress=told(progress))
     best = contacts[0][1].modification(optimum.coefficients)
-    tree = contact_analysis(case_state.modified(best), torques, edge_contact=False, solver=solver).tree
+    tree = contact_analysis(case_state.modified(best), load, edge_contact=False, solver=solver).tree
     record = _compared(
         checked, start, optimum, xr.Dataset({"least_line_load": ("torque", least)}, {"torque": load}), states
     )

@@ -24,7 +24,7 @@ from ...core.process_settings import without_garbage_collection
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.modification import Modification
 from ..analysis.case_analysis import with_friction
-from ..analysis.contact_analysis import Analysis, contact_analysis
+from ..analysis.contact_analysis import Analysis, case_torques, contact_analysis
 from ..analysis.key_numbers import key_numbers
 from ..analysis.swept_quantity import ASSEMBLY, CONDITIONS, Stage, swept_quantity
 from ..case_in_mesh import CaseInMesh
@@ -122,8 +122,8 @@ class _Assembly:
         """Analysis without friction at a point."""
         setup = self.setup
         terms = {name: value for name, value in values.items() if swept_quantity(name).stage == Stage.EASE_OFF}
-        torques = [values["torque"]] if setup.torques is None else list(setup.torques)
-        key = (*terms.items(), *torques)
+        torques = case_torques(setup.case, setup.torques or [values["torque"]])
+        key = (*terms.items(), *torques.tolist())
         if key not in self._loaded:
             state = self._state
             if isinstance(state, EaseoffError):

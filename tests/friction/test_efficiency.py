@@ -46,10 +46,6 @@ CONTACT = ContactTable(
 OPERATION = Operation([250.0, 1500.0, 3000.0], [50.0, 90.0], [0.2, (0.8, 0.4), 0.8])
 
 
-def replace_torques(torques: tuple[float, ...]) -> ContactTable:
-    return CONTACT.model_copy(update={"torques": torques})
-
-
 def small_case(name: str) -> Case:
     """A coarse case with the dissertation's model: shells for teeth, and contact on the contact lines alone."""
     return by_the_dissertation(name, **CONTACT.model_dump())
@@ -57,7 +53,8 @@ def small_case(name: str) -> Case:
 
 @cache
 def analysed(name: str) -> Analysis:
-    return contact_analysis(CaseInMesh.of(small_case(name)))
+    case = small_case(name)
+    return contact_analysis(CaseInMesh.of(case), case.contact.torques)
 
 
 @pytest.fixture(scope="module")
@@ -507,8 +504,7 @@ def test_feedback_ends_whatever_friction_takes(analysis: Analysis, coefficient: 
 
 
 def test_rolling_that_takes_the_whole_torque_is_no_result_and_says_so(analysis: Analysis) -> None:
-    case = small_case("fh-design-a").model_copy(update={"contact": replace_torques((1e-3,))})
-    whole = contact_analysis(CaseInMesh.of(case))
+    whole = contact_analysis(CaseInMesh.of(small_case("fh-design-a")), [1e-3])
     found = friction_feedback(whole.tree, whole.cases, Operation(3000.0, 30.0, 0.8))
     assert np.all(found["status"] == Status.NOT_CONVERGED)
     assert np.all(found["efficiency"].isnull())
