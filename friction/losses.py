@@ -14,9 +14,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ..core.arrays import Array
+from ..core.arrays import Array, Integers
 from ..core.checks import instance, one_of
 from .coefficient import RANGE_FLAGS, checked_coefficient
 from .conditions import THERMAL_FACTORS, ContactConditions
@@ -153,14 +152,14 @@ class HottestContacts:
 
     shape: tuple[int, int, int, int]
     flash: Array = field(init=False)
-    contact: NDArray[np.int64] = field(init=False)
+    contact: Integers = field(init=False)
     pressure_velocity: Array = field(init=False)
 
     def __post_init__(self) -> None:
         self.flash, self.pressure_velocity = np.full(self.shape, -np.inf), np.full(self.shape, -np.inf)
         self.contact = np.zeros(self.shape, dtype=np.int64)
 
-    def add(self, torque: NDArray[np.int64], block: Losses) -> None:
+    def add(self, torque: Integers, block: Losses) -> None:
         """Add a block of contacts by their sorted torque numbers (c); a flash temperature of NaN does not count."""
         starts = np.flatnonzero(np.diff(torque, prepend=-1))
         flash, product = (
@@ -175,7 +174,7 @@ class HottestContacts:
             self.contact[at] = np.where(hotter, block.contacts.start + start + hottest, self.contact[at])
             self.pressure_velocity[at] = np.maximum(self.pressure_velocity[at], product[..., start:end].max(axis=-1))
 
-    def variables(self, loaded: xr.Dataset, index: NDArray[np.int64], bulk_temperature: Array) -> dict[str, Any]:
+    def variables(self, loaded: xr.Dataset, index: Integers, bulk_temperature: Array) -> dict[str, Any]:
         """Variables of the group ``/friction``, NaN where no contact line carries; bulk temperature in [degC].
 
         Contacts are numbered by torque, mesh position and segment (3, n), which come first in ``/loaded``.

@@ -7,15 +7,14 @@ prediction is used.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ..cases.conversion import gear_pair
 from ..cases.schema.case_schema import Case
-from ..core.arrays import RealArray as Array
-from ..core.checks import frozen_arrays, instance, number, positive
+from ..core.arrays import RealArray as Array, record
+from ..core.checks import instance, number, positive
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.cutting.named_settings import get_setting, with_settings
 from ..geometry.flanks.flank import solve_flank
@@ -29,8 +28,7 @@ from .envelope_condition import distance_along_normals
 SIDES: tuple[Side, ...] = ("concave", "convex")
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class CorrectionLoop:
     """A member before and after its correction.
 

@@ -9,15 +9,14 @@ An independent check of ``contact.compliance.spread_deflection``.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from ..contact.compliance.finite_elements.elastic_body import elastic_body, quadratic
 from ..contact.compliance.material import Material
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays, instance, number, whole
+from ..core.arrays import Array, record
+from ..core.checks import instance, number, whole
 from ..geometry.tooth.tooth_lattice import with_middles
 
 FACE_GAUSS_POINTS = 8  # in each direction of a brick's face; the stress is singular at the load
@@ -26,8 +25,7 @@ GROWTH = 2.0  # of the bricks' borders away from the end of the load
 BORDER_COUNT_LIMIT = 16  # 1 km
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class EndRelief:
     """Added displacements of a free end under a line load of 1 N/mm.
 

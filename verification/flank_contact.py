@@ -20,7 +20,7 @@ Lines of a solved contact without the split: the greatest pressure and the line 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.linalg
@@ -30,8 +30,8 @@ from ..contact.compliance.material import Material
 from ..contact.lines.mesh_lines import MeshLines
 from ..contact.problem.contact_problem import ContactProblem
 from ..contact.solvers import ContactSolution, solve
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays, instance, instances, positive, truth, whole
+from ..core.arrays import Array, record
+from ..core.checks import instance, instances, positive, truth, whole
 from ..geometry.pair.gear_pair import GearPair
 from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import LatticeSize
@@ -86,8 +86,7 @@ ROTATION_LIMIT = 0.1  # [rad]; flanks without cells at this rotation cannot touc
 BORROWED_LINE_DISTANCE = 0.25  # [pitch], from a mesh position without a line to the one whose line it takes
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class FlankContact:
     """Solved contact of one mesh position.
 

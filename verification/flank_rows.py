@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..core.arrays import Array
+from ..core.arrays import Array, Bools
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.flanks.curvature import principal_curvatures
@@ -48,7 +47,7 @@ def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[Verific
     return [*rows, _curvature(member, flank, usable, nodes)]
 
 
-def _others(flank: Flank, usable: NDArray[np.bool_]) -> str:
+def _others(flank: Flank, usable: Bools) -> str:
     """Description of the nodes without a flank."""
     left = flank.status[~usable]
     phrases = [f"{np.count_nonzero(left == kind)} {words}" for kind, words in LEFT_OUT.items() if np.any(left == kind)]
@@ -60,7 +59,7 @@ def greatest(values: Array) -> float:
     return float(np.max(np.abs(values))) if values.size else float("nan")
 
 
-def _curvature(member: str, flank: Flank, usable: NDArray[np.bool_], nodes: str) -> VerificationRow:
+def _curvature(member: str, flank: Flank, usable: Bools, nodes: str) -> VerificationRow:
     """Principal curvatures and torsion from two directions against the fundamental forms, over the greater one."""
 
     def other(surface: GeneratingSurface, parameters: Array) -> Array:

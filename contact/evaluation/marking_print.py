@@ -8,10 +8,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays, number
+from ...core.arrays import Array, Bools, Integers, record
+from ...core.checks import number
 from ...core.errors import InputError
 from ...core.kernels import kernel
 from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS
@@ -75,7 +74,7 @@ class _Gaps:
         gap = arm * (value["ease_off_angle"] - error.least(value["roll_angle"]))
         return cls(error, value, curvature, skew, gap, reach, arm * (error.steepest * reach))
 
-    def crossing(self, thickness: float, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def crossing(self, thickness: float, among: Bools) -> Bools:
         """Which of some points (n) may have a gap below a thickness [um], though not at their roll angle."""
         candidates = among & (self.at_roll_angle >= thickness)
         index = np.flatnonzero(candidates)
@@ -85,7 +84,7 @@ class _Gaps:
             candidates[index] = 1e3 * arm * (ease_off - greatest) < thickness
         return candidates
 
-    def search(self, wanted: NDArray[np.bool_], gap: Array) -> None:
+    def search(self, wanted: Bools, gap: Array) -> None:
         """Put the least gaps [um] of the wanted points (n) among gaps (n)."""
         index, error = np.flatnonzero(wanted), self.error
         ease_off, roll, arm = (self.value[name][index] for name in ("ease_off_angle", "roll_angle", "lever_arm"))
@@ -99,8 +98,7 @@ class _Gaps:
         gap[index] = 1e3 * arm * least
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class MarkingPrint:
     """Print of a marking compound on the gear flank."""
 
@@ -144,7 +142,7 @@ class MarkingPrint:
 
 
 @lru_cache(maxsize=2)
-def _triangles(shape: tuple[int, int]) -> NDArray[np.int64]:
+def _triangles(shape: tuple[int, int]) -> Integers:
     """Triangles of a grid, made once: read only."""
     triangles = grid_triangles(shape)
     triangles.setflags(write=False)
@@ -156,7 +154,7 @@ def _corners(values: Array) -> Array:
     return np.stack([values[:-1, :-1], values[1:, :-1], values[1:, 1:], values[:-1, 1:]])
 
 
-def _beside_border(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _beside_border(inside: Bools) -> Bools:
     """Corners (p, q) of the cells that have corners (p, q) inside and outside."""
     corners = _corners(inside)
     cut = np.any(corners, axis=0) & ~np.all(corners, axis=0)

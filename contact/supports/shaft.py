@@ -17,8 +17,8 @@ from functools import cached_property
 
 import numpy as np
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays, number, shown
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import number, shown
 from ...core.errors import InputError
 from ..compliance.material import Material
 from .bearing import Bearing
@@ -97,8 +97,7 @@ STEP_COUNT_LIMIT = 500  # of bearings whose stiffness depends on the load
 STIFFNESS_CHANGE_LIMIT = 1e-13  # relative, at which they have converged
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Shaft:
     """A shaft along z on bearings, with a member on it that is rigid.
 

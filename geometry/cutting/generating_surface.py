@@ -23,10 +23,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import check_fields, frozen_arrays
+from ...core.arrays import Array, Integers, record
+from ...core.checks import check_fields
 from ..newton import NewtonResult, complex_steps, solve_by
 from ..vectors import cos_sin, cross, dot
 from .blade import Blade, BladeSection, SectionName
@@ -326,8 +325,7 @@ Locate = Callable[["SurfacePoints"], tuple[Array, Array]]
 LINEAR_STEP = 1e-11  # of the longest step; along so short a one a point and its tangents are followed linearly
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class SurfacePoints:
     """Points of a generating surface (n) in the member's frame."""
 
@@ -400,7 +398,7 @@ def points_at(
     """
     held, known = start, True
 
-    def derivatives(here: Array, active: NDArray[np.int64]) -> tuple[Array, Array]:
+    def derivatives(here: Array, active: Integers) -> tuple[Array, Array]:
         nonlocal held, known
         if known:
             known = False

@@ -26,11 +26,10 @@ from functools import cached_property
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools, record
 from ...core.attributes import labelled
-from ...core.checks import frozen_arrays, instance, number, two_whole
+from ...core.checks import instance, number, two_whole
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -95,8 +94,7 @@ def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Devi
     return replace(pair, pinion=deviated_member(pair.pinion, pinion), gear=deviated_member(pair.gear, gear))
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class RecutFlank:
     """Designed flank at measuring points, from where flanks of other settings are found."""
 
@@ -114,7 +112,7 @@ class RecutFlank:
             raise GeometryError("measured points lie off the designed flank: check the measuring grid")
         return cls(surface, member.section, target, flank)
 
-    def at(self, chosen: NDArray[np.bool_]) -> RecutFlank:
+    def at(self, chosen: Bools) -> RecutFlank:
         """The same flank at some of the points (n)."""
         flank = self.flank
         arrays = {
@@ -129,7 +127,7 @@ class RecutFlank:
         return np.asarray(x * along_y - y * along_x)
 
     @cached_property
-    def _parts(self) -> tuple[tuple[GeneratingSurface, NDArray[np.bool_]], ...]:
+    def _parts(self) -> tuple[tuple[GeneratingSurface, Bools], ...]:
         """Parts of the flank that have points, and which ones (n)."""
         owned = [(part, self.flank.part == number) for number, part in enumerate(self.surface.flank_parts)]
         return tuple((part, mask) for part, mask in owned if np.any(mask))
@@ -278,7 +276,7 @@ def deviated_ease_off(
     )
 
 
-def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> tuple[Array, Bools]:
     """Deviation [mm] at fractions (nt, nh), and where it is taken beyond its outermost nodes."""
     if deviation is None:
         return np.zeros(lengthwise.shape), np.zeros(lengthwise.shape, dtype=bool)

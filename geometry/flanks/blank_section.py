@@ -8,19 +8,17 @@ and the radial coordinate as the distance from that axis. The flank is bounded b
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import check_fields, frozen_arrays
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import check_fields
 from ...core.errors import GeometryError
 from ..newton import determinant
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class BlankSection:
     """Axial section of one member's blank.
 

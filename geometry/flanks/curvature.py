@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays, instance
+from ...core.arrays import Array, record
+from ...core.checks import instance
 from ..cutting.generating_surface import GeneratingSurface
 from ..newton import complex_steps
 from ..vectors import dot
 from .flank import Flank, on_parts
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Curvatures:
     """Principal curvatures of a flank at n nodes."""
 

@@ -20,8 +20,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, Bools, record
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface, SurfacePoints, axial_and_radial, points_at
 from ..newton import complex_steps, solve
@@ -136,11 +135,11 @@ class SeedLattice:
     """Surface parameters spread over the whole flank and somewhat beyond, as first guesses."""
 
     points: SurfacePoints  # the seeds (m), m = SEEDS^2
-    side: NDArray[np.bool_]  # on the same side of the surface as the mean point (m)
+    side: Bools  # on the same side of the surface as the mean point (m)
     orientation: float
     step: Array
 
-    def nearest(self, coordinates: Array, usable: NDArray[np.bool_], target: Array) -> SurfacePoints:
+    def nearest(self, coordinates: Array, usable: Bools, target: Array) -> SurfacePoints:
         """Usable seeds (n) whose coordinates (2, m) lie nearest to each target (2, n); NaN if none is usable.
 
         An envelope that folds twice covers targets a second time, on the mean point's side again: of near seeds on two
@@ -161,7 +160,7 @@ class SeedLattice:
         choice = np.where(np.any(apart > SHEET_DISTANCE, axis=1), best, 0)
         return self.points.at(seeds[np.arange(seeds.shape[0]), choice])
 
-    def strayed(self, start: Array, found: Array) -> NDArray[np.bool_]:
+    def strayed(self, start: Array, found: Array) -> Bools:
         """True for solutions (2, n) so far from their starts (2, n) that they belong to another sheet."""
         return np.asarray(np.any(np.abs(found - start) > STRAY_LIMIT * self.step[:, None], axis=0))
 
@@ -198,8 +197,7 @@ class NodeStatus(IntEnum):
     OUTSIDE_BLANK = 4
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Flank:
     """A flank on a set of nodes.
 
@@ -239,7 +237,7 @@ class Flank:
     part: NDArray[np.int8]
 
     @property
-    def inside(self) -> NDArray[np.bool_]:
+    def inside(self) -> Bools:
         """True where the node is a usable point of the flank (n)."""
         return np.asarray(self.status == NodeStatus.INSIDE)
 
