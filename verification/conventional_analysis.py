@@ -34,10 +34,9 @@ from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
 from ..core.arrays import Array, Bools, record
 from ..core.checks import instance
-from ..geometry.cutting.generating_surface import GeneratingSurface
+from ..geometry.cutting.generating_surface import GeneratingSurface, SurfacePoints
 from ..geometry.flanks.curvature import Curvatures
 from ..geometry.flanks.flank import Flank, seed_lattice
-from ..geometry.newton import complex_steps
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.ease_off import EaseOff
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, PairGeometry, pair_geometry
@@ -99,19 +98,13 @@ def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> Dir
     The change of the outward normal per mm is k t + tau v, of the inward one -(k t + tau v); derivatives by complex
     step.
     """
-
-    def position_and_normal(p: Array) -> Array:
-        position, normal, _ = surface.evaluate(p)
-        return np.concatenate([position, normal])
-
     with np.errstate(all="ignore"):
-        value, derivatives = complex_steps(position_and_normal, parameters)
-        normal = value[3:]
+        points = SurfacePoints.of(surface, parameters)
         tangents, acrosses, curvatures, torsions = [], [], [], []
-        for derivative in derivatives:
+        for derivative in points.slopes:
             length = np.sqrt(dot(derivative[:3], derivative[:3]))
-            tangent, turning = derivative[:3] / length, derivative[3:] / length
-            across = cross(normal, tangent)
+            tangent, turning = derivative[:3] / length, derivative[3:6] / length
+            across = cross(points.normal, tangent)
             tangents.append(tangent)
             acrosses.append(across)
             curvatures.append(dot(turning, tangent))

@@ -211,6 +211,11 @@ class GeneratingSurface:
         point, edge, coordinate = self._on_blade(tip, plane, parameters[1], meshing)
         return (*self._in_member(pose, velocities[0], point, edge, parameters[0]), coordinate)
 
+    def rows(self, parameters: Array) -> Array:
+        """What ``evaluate`` gives, as one array (7, n)."""
+        position, normal, coordinate = self.evaluate(parameters)
+        return np.concatenate([position, normal, coordinate[None]])
+
     @np.errstate(all="ignore")
     def at_coordinate(self, parameters: Array, coordinate: float) -> tuple[Array, Array, Array]:
         """A given point of the blade on a generated flank, and how far it is from touching the flank.
@@ -313,12 +318,7 @@ class GeneratingSurface:
 
     def orientation(self, parameters: Array) -> Array:
         """Signed area ratio of the parametrisation (n): it changes sign where the flank is undercut."""
-
-        def position_and_normal(p: Array) -> Array:
-            return np.concatenate(self.evaluate(p)[:2])
-
-        value, (first, second) = complex_steps(position_and_normal, parameters)
-        return area_ratio(first, second, value[3:])
+        return SurfacePoints.of(self, parameters).orientation
 
 
 Locate = Callable[["SurfacePoints"], tuple[Array, Array]]
@@ -336,12 +336,7 @@ class SurfacePoints:
     @classmethod
     def of(cls, surface: GeneratingSurface, parameters: Array) -> SurfacePoints:
         """Points at given parameters (2, n)."""
-
-        def all_values(p: Array) -> Array:
-            position, normal, coordinate = surface.evaluate(p)
-            return np.concatenate([position, normal, coordinate[None]])
-
-        return cls(parameters, *complex_steps(all_values, parameters))
+        return cls(parameters, *complex_steps(surface.rows, parameters))
 
     @property
     def position(self) -> Array:

@@ -255,11 +255,7 @@ class KnownPair:
         known = self.gear
 
         def values(surface: GeneratingSurface, parameters: Array) -> Array:
-            def of_part(part: GeneratingSurface, p: Array) -> Array:
-                position, normal, coordinate = part.evaluate(p)
-                return np.concatenate([position, normal, coordinate[None]])
-
-            return on_parts(surface.flank_parts, known.part, parameters, of_part)
+            return on_parts(surface.flank_parts, known.part, parameters, GeneratingSurface.rows)
 
         def place(surface: GeneratingSurface) -> Array:
             x, y, z = values(surface, known.parameters)[:3]
