@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -18,6 +18,10 @@ from ..lines.contact_lines import BOUNDARY_FIELDS, curvature_and_skew, distance_
 from ..lines.flank_splines import FlankSplines
 from .carrying_error import CarryingError
 from .flank_region import FlankRegion, ProjectionPlane, grid_triangles, region_below
+
+if TYPE_CHECKING:
+    from ..mesh_cycle import MeshCycle
+
 
 least_beside = kernel(".least_gap_kernel", __package__).least_beside
 PRINT_GRID = (241, 121)  # points along the face and the profile
@@ -163,3 +167,21 @@ def _beside_border(inside: Bools) -> Bools:
         for j in (slice(None, -1), slice(1, None)):
             border[i, j] |= cut
     return border
+
+
+@dataclass(frozen=True)
+class UnloadedPattern:
+    """Marking print of a pair on the gear flank."""
+
+    printed: MarkingPrint
+    region: FlankRegion
+    peak_to_peak: float
+
+    @classmethod
+    def of(cls, cycle: MeshCycle, thickness: float, shape: tuple[int, int] = PRINT_GRID) -> UnloadedPattern:
+        """Pattern of a compound of a thickness [um]; a ``GeometryError`` refuses a pair that never nears contact."""
+        unloaded = cycle.unloaded(separation=thickness)
+        error = CarryingError.of(unloaded, cycle.pinion_pitch)
+        printed = MarkingPrint.of(cycle.fields, error, thickness, shape)
+        region = printed.region(ProjectionPlane.of(cycle.geometry.flanks))
+        return cls(printed, region, float(unloaded.attrs["peak_to_peak"]))
