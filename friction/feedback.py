@@ -57,12 +57,7 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
 
 
 def _solved_again(
-    cases: Sequence[LoadedCase],
-    torque: Array,
-    due: Bools,
-    loaded: xr.Dataset,
-    ratio: float,
-    solver: SolverChoice,
+    cases: Sequence[LoadedCase], torque: Array, due: Bools, loaded: xr.Dataset, ratio: float, solver: SolverChoice
 ) -> xr.Dataset:
     """The loaded contact with other pinion torques (t, k) [N m] at the cases that are due."""
     result = loaded.copy(deep=True)

@@ -72,12 +72,7 @@ LOAD_DISTANCE_LIMIT = 0.02  # [mm]
 
 
 def surface_compliance(
-    nodes: Array,
-    cells: Integers,
-    held: Integers,
-    material: Material,
-    loaded: Integers,
-    normal: Array,
+    nodes: Array, cells: Integers, held: Integers, material: Material, loaded: Integers, normal: Array
 ) -> Array:
     """Displacements (k, k) [mm/N] into the body by unit forces into it at nodes (k) of a smooth surface.
 

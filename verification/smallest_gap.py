@@ -401,12 +401,7 @@ class FlankGap:
 
 
 def flank_gap(
-    motion: ConjugateMotion,
-    position: Array,
-    normal: Array,
-    rotation: float,
-    closing: float,
-    start: Array,
+    motion: ConjugateMotion, position: Array, normal: Array, rotation: float, closing: float, start: Array
 ) -> FlankGap:
     """Gap between the flanks at one mesh position, at points (3, n) [mm] of the gear, started from ``start``.
 

@@ -163,13 +163,7 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
     """Shells of pinion and gear."""
     materials = (model.pinion, model.gear)
     pinion, gear = (
-        Shell(
-            tooth_dimensions(teeth, member, model.plate),
-            material,
-            model.modes,
-            model.shear_factor,
-            model.foundation,
-        )
+        Shell(tooth_dimensions(teeth, member, model.plate), material, model.modes, model.shear_factor, model.foundation)
         for member, material in zip(MEMBERS, materials, strict=True)
     )
     return pinion, gear
@@ -234,10 +228,7 @@ def member_points(splines: FlankSplines, member: str, points: Array) -> Array:
 
 
 def unit_loads(
-    elastic: tuple[ElasticTooth, ElasticTooth],
-    splines: FlankSplines,
-    points: tuple[Array, Array],
-    weights: Array,
+    elastic: tuple[ElasticTooth, ElasticTooth], splines: FlankSplines, points: tuple[Array, Array], weights: Array
 ) -> tuple[list[Array], Array]:
     """Unit loads on segments: Y (n, k) of both members, and (n, q) in the modes of both bodies, the pinion's first.
 

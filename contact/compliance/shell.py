@@ -80,12 +80,7 @@ def legendre(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
 
 
 def rooted_polynomials(
-    relative: FloatArray,
-    count: int,
-    root_power: int,
-    *,
-    order: int = 0,
-    family: PolynomialFamily = legendre,
+    relative: FloatArray, count: int, root_power: int, *, order: int = 0, family: PolynomialFamily = legendre
 ) -> FloatArray:
     """Polynomials times a power of the relative height, and their derivatives (order + 1, ..., count).
 

@@ -233,8 +233,7 @@ def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[Integers]:
         np.delete(np.arange(all_.size), at) for all_, at in ((places, begin), (others, other_begin))
     )
     before = np.maximum(
-        np.searchsorted(others, places[next_one], side="left") - 1,
-        np.repeat(other_begin, [one.size - 1 for one in u]),
+        np.searchsorted(others, places[next_one], side="left") - 1, np.repeat(other_begin, [one.size - 1 for one in u])
     )
     before_other = np.searchsorted(places, others[next_other], side="right") - 1
     return [

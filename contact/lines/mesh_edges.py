@@ -128,11 +128,7 @@ def edge_elements(
 
 
 def chosen_elements(
-    splines: FlankSplines,
-    rotations: Array,
-    edges: Sequence[FlankEdge],
-    edge: Integers,
-    element: Integers,
+    splines: FlankSplines, rotations: Array, edges: Sequence[FlankEdge], edge: Integers, element: Integers
 ) -> EdgeElements:
     """Given pieces (n) of edges, each at its own rotation (n) [rad] and level; without length where none may touch.
 

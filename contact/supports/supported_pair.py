@@ -187,8 +187,7 @@ class SupportedPair:
             kinds: dict[tuple[Supports, tuple[float, ...]], SupportModes] = {}  # the modes of equal ones are found once
             modes = [
                 kinds.setdefault(
-                    (supports[k], tuple(absorbed[k])),
-                    SupportModes(compliances[supports[k]], motion.twist(absorbed[k])),
+                    (supports[k], tuple(absorbed[k])), SupportModes(compliances[supports[k]], motion.twist(absorbed[k]))
                 )
                 for k in numbers
             ]

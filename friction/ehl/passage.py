@@ -260,15 +260,7 @@ def rough_passage(
 
 STEP_LIMIT = 1_000_000_000  # beyond, not even the record of the steps fits into memory
 STEP_SIZE, KEPT_NODE_SIZE = 100.0, 20.0  # memory of the record of a step, and of a node of fields kept [byte]
-_RECORDED = (
-    "violation",
-    "leak",
-    "film_friction",
-    "asperity_friction",
-    "asperity_share",
-    "minimum_film",
-    "mean_film",
-)
+_RECORDED = ("violation", "leak", "film_friction", "asperity_friction", "asperity_share", "minimum_film", "mean_film")
 
 
 def _record(

@@ -305,12 +305,7 @@ def evaluate(problem: Problem, pressure: Array, approach: float) -> Point:
         clearance, by_film = problem.asperities.mean_gap(separation)
         clearance = clearance / contact.film_scale
     flow = balance(
-        contact,
-        deflection.spacing,
-        fluid,
-        clearance,
-        history=problem.history,
-        touching_film=problem.touching_film,
+        contact, deflection.spacing, fluid, clearance, history=problem.history, touching_film=problem.touching_film
     )
     if problem.asperities is not None:
         flow = chained(flow, fluid_by_film, by_film)
@@ -374,11 +369,7 @@ def _states(problem: Problem, point: Point, pace: Pace) -> States:
     by_own_pressure = np.abs(point.balance.by_pressure[2] + influence @ point.balance.by_film)
     by_own_pressure[[0, -1]] = 1.0
     members = np.stack(
-        [
-            point.lack / by_own_pressure,
-            point.fluid,
-            point.gap / (pace.gap_scale * abs(problem.deflection.influence[0])),
-        ]
+        [point.lack / by_own_pressure, point.fluid, point.gap / (pace.gap_scale * abs(problem.deflection.influence[0]))]
     )
     members[State.RUPTURED, [0, -1]] = -math.inf  # no pressure at the ends
     return np.asarray(np.argmin(members, axis=0), dtype=np.int8)

@@ -237,10 +237,7 @@ GRID = ("lengthwise", "profile")
 
 
 def deviated_ease_off(
-    geometry: PairGeometry,
-    *,
-    pinion: Deviation | None = None,
-    gear: Deviation | None = None,
+    geometry: PairGeometry, *, pinion: Deviation | None = None, gear: Deviation | None = None
 ) -> xr.Dataset:
     """Ease-off and surface of roll angle of a pair with deviated flanks (Kolivand 2009, Eq. 4.3 to 4.10).
 

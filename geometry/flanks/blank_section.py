@@ -87,10 +87,7 @@ class BlankSection:
     def corners(self) -> Array:
         """Corners of the flank (toe/heel, root/tip, axial/radial) [mm]."""
         root_point = np.array([-self.root_apex, 0.0]) + self.clearance * self._root_normal
-        lines = [
-            (root_point, self.root_angle),
-            (np.array([-self.face_apex, 0.0]), self.face_angle),
-        ]
+        lines = [(root_point, self.root_angle), (np.array([-self.face_apex, 0.0]), self.face_angle)]
         corners = np.empty((2, 2, 2))
         ends = (self.outer_cone_distance - self.face_width, self.outer_cone_distance)
         for i, (distance, angle) in enumerate(zip(ends, (self.front_angle, self.back_angle), strict=True)):

@@ -115,10 +115,7 @@ def _gap_curvature(slopes: Array) -> tuple[Array, Array]:
 
 
 def exact_ease_off(
-    gear: Flank,
-    pinion_surface: GeneratingSurface,
-    pinion_section: BlankSection,
-    assembly: Assembly,
+    gear: Flank, pinion_surface: GeneratingSurface, pinion_section: BlankSection, assembly: Assembly
 ) -> EaseOff:
     """Ease-off and roll angle of a pair at the gear's nodes (n); NaN and a status without a conjugate point."""
     target, usable = _targets(gear)
@@ -223,12 +220,7 @@ def _sheet(jacobian: Array) -> Array:
 
 
 def classified(
-    motion: ConjugateMotion,
-    section: BlankSection,
-    gear: Flank,
-    points: SurfacePoints,
-    solved: Bools,
-    side: float,
+    motion: ConjugateMotion, section: BlankSection, gear: Flank, points: SurfacePoints, solved: Bools, side: float
 ) -> EaseOff:
     """Evaluate everything at the pinion points found, and give every node a status."""
     position, normal, distance = points.position, points.normal, points.coordinate

@@ -172,11 +172,7 @@ def _by_settings(
 
 
 def pinion_gap_slopes(
-    geometry: PairGeometry,
-    settings: Sequence[PairSetting],
-    parameters: Array,
-    part: NDArray[np.int8],
-    rotation: Array,
+    geometry: PairGeometry, settings: Sequence[PairSetting], parameters: Array, part: NDArray[np.int8], rotation: Array
 ) -> Array:
     """Derivatives of the gap by the pinion's place, as a gear rotation (n, j) [rad].
 
@@ -211,11 +207,7 @@ def gear_gap_slopes(geometry: PairGeometry, settings: Sequence[PairSetting], gea
 
 
 def held_point_slopes(
-    geometry: PairGeometry,
-    settings: Sequence[PairSetting],
-    parameters: Array,
-    part: NDArray[np.int8],
-    rotation: Array,
+    geometry: PairGeometry, settings: Sequence[PairSetting], parameters: Array, part: NDArray[np.int8], rotation: Array
 ) -> tuple[Array, Array]:
     """Derivatives of the place of pinion points of held parameters (n).
 

@@ -101,10 +101,7 @@ def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: Gen
 
 
 def tooth_body(
-    section: BlankSection,
-    loaded: GeneratingSurface,
-    opposite: GeneratingSurface,
-    mean_angle: float,
+    section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface, mean_angle: float
 ) -> ToothBody:
     """Tooth between two flanks, of angular thickness ``mean_angle`` [rad] in the middle of the flank."""
     t, h = np.meshgrid(np.linspace(0, 1, COMPARISON_NODES[0]), np.linspace(0, 1, COMPARISON_NODES[1]), indexing="ij")

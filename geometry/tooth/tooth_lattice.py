@@ -397,15 +397,7 @@ def _web_distances(sections: LatticeSections, floor: float, start: float, length
     return np.asarray(start + np.concatenate([[0.5 * first, first], rest]))
 
 
-__all__ = [
-    "DEPTH_PER_HEIGHT",
-    "SHELL_HINT",
-    "LatticeSize",
-    "ToothLattice",
-    "Web",
-    "tooth_lattice",
-    "usual_depth",
-]
+__all__ = ["DEPTH_PER_HEIGHT", "SHELL_HINT", "LatticeSize", "ToothLattice", "Web", "tooth_lattice", "usual_depth"]
 
 
 SURFACE_NODES = (25, 25)  # up the fillet and up the flank

@@ -100,12 +100,7 @@ def tooth_side(
     def whole(first: Array, rest: Array) -> Array:
         return np.concatenate([first[:, :, None], rest.reshape(3, *heights.shape)], axis=2)
 
-    return ToothSide(
-        fillet,
-        fillet_normal,
-        whole(joint, flank.position),
-        whole(fillet_normal[:, :, -1], flank.normal),
-    )
+    return ToothSide(fillet, fillet_normal, whole(joint, flank.position), whole(fillet_normal[:, :, -1], flank.normal))
 
 
 def _fillet(

@@ -320,12 +320,7 @@ def functionals(count: int, nodes: Integers, weights: Array, direction: Array) -
 
 
 def elastic_body(
-    nodes: Array,
-    cells: Integers,
-    held: Integers,
-    material: Material,
-    *,
-    functions: ShapeFunctions = shape_functions,
+    nodes: Array, cells: Integers, held: Integers, material: Material, *, functions: ShapeFunctions = shape_functions
 ) -> Substructures:
     """Assemble and factor a body of bricks with some nodes held."""
     return substructures(cells, *brick_stiffness(nodes, cells, material, functions), held)

@@ -54,11 +54,7 @@ def pitch_angle(lattice: ToothLattice, teeth: int) -> float:
 
 
 def ring_compliance(
-    lattice: ToothLattice,
-    teeth: int,
-    material: Material,
-    loads: csc_array,
-    held: Integers,
+    lattice: ToothLattice, teeth: int, material: Material, loads: csc_array, held: Integers
 ) -> RingCompliance:
     """Compliance of all teeth of a member on one body, from a lattice of one pitch, mid slot to mid slot.
 
@@ -195,11 +191,7 @@ def modes_of(ring: RingCompliance, single: Array, areas: Array, count: int) -> d
     change[0] -= excess * weights[:, None] * weights
     vectors = np.linalg.eigh(np.einsum("kij,klj->il", change, change))[1][:, : -count - 1 : -1]
     loads = vectors * weights[:, None]
-    return {
-        "shapes": vectors.T / weights,
-        "coupling": loads.T @ ring.shared @ loads,
-        "own": loads.T @ excess @ loads,
-    }
+    return {"shapes": vectors.T / weights, "coupling": loads.T @ ring.shared @ loads, "own": loads.T @ excess @ loads}
 
 
 def nodal_areas(lattice: ToothLattice) -> Array:

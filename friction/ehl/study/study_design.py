@@ -414,10 +414,7 @@ def _steady(film: Film, resolution: Resolution) -> Row:
     return (
         cost
         | (numbers if settled else {})
-        | {
-            "status": float(Status.CERTIFIED if settled else Status.NOT_CONVERGED),
-            "certified_share": float(settled),
-        }
+        | {"status": float(Status.CERTIFIED if settled else Status.NOT_CONVERGED), "certified_share": float(settled)}
     )
 
 
