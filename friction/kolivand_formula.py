@@ -17,7 +17,7 @@ Ranges of friction formulas: flags of what was clamped or extrapolated, and its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -60,21 +60,12 @@ def combined_flags(conditions_of: dict[int, Array]) -> Flags:
     return np.asarray(total, dtype=np.uint16)
 
 
-@dataclass
 class LossShares:
     """Parts of the power loss that need a note, over (torque, speed, temperature, roughness), flags first."""
 
-    shape: tuple[int, int, int, int]
-    whole: Array = field(init=False)
-    outside: Array = field(init=False)
-    by_flag: Array = field(init=False)
-    between: Array = field(init=False)
-    thinned: Array = field(init=False)
-    thinning: Array = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.whole, self.outside, self.between, self.thinned, self.thinning = (np.zeros(self.shape) for _ in range(5))
-        self.by_flag = np.zeros((len(FLAGS), *self.shape))
+    def __init__(self, shape: tuple[int, int, int, int]) -> None:
+        self.whole, self.outside, self.between, self.thinned, self.thinning = (np.zeros(shape) for _ in range(5))
+        self.by_flag = np.zeros((len(FLAGS), *shape))
 
     def add(self, torque: Integers, loss: Array, flags: Flags | None, between: Array, thinning: Array) -> None:
         """Add a block of segments by sorted torque numbers (n), with losses (speed, temperature, roughness, n).

@@ -9,7 +9,7 @@ The hottest contact of a mesh cycle, at every operating condition, is found on t
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -146,18 +146,12 @@ def rolling_traction(conditions: ContactConditions, thermal_factor: str = "gokse
     return np.asarray(isothermal_traction(conditions) * factor(conditions))
 
 
-@dataclass
 class HottestContacts:
     """The hottest contact over (torque, speed, temperature, roughness), found a block of contacts at a time."""
 
-    shape: tuple[int, int, int, int]
-    flash: Array = field(init=False)
-    contact: Integers = field(init=False)
-    pressure_velocity: Array = field(init=False)
-
-    def __post_init__(self) -> None:
-        self.flash, self.pressure_velocity = np.full(self.shape, -np.inf), np.full(self.shape, -np.inf)
-        self.contact = np.zeros(self.shape, dtype=np.int64)
+    def __init__(self, shape: tuple[int, int, int, int]) -> None:
+        self.flash, self.pressure_velocity = np.full(shape, -np.inf), np.full(shape, -np.inf)
+        self.contact: Integers = np.zeros(shape, dtype=np.int64)
 
     def add(self, torque: Integers, block: Losses) -> None:
         """Add a block of contacts by their sorted torque numbers (c); a flash temperature of NaN does not count."""
@@ -192,5 +186,5 @@ class HottestContacts:
                 values[f"max_flash_{name}"] = loaded[name].values[at]
         else:
             nowhere = ("position", "lengthwise", "profile")
-            values |= {f"max_flash_{name}": np.full(self.shape, np.nan) for name in nowhere}
+            values |= {f"max_flash_{name}": np.full(self.flash.shape, np.nan) for name in nowhere}
         return {name: (OPERATING_DIMENSIONS, np.where(known, value, np.nan)) for name, value in values.items()}

@@ -114,11 +114,8 @@ class RecutFlank:
 
     def at(self, chosen: Bools) -> RecutFlank:
         """The same flank at some of the points (n)."""
-        flank = self.flank
-        arrays = {
-            field.name: getattr(flank, field.name)[..., chosen] for field in fields(Flank) if field.name != "surface"
-        }
-        return replace(self, target=self.target[:, chosen], flank=replace(flank, **arrays))
+        arrays = {name: getattr(self.flank, name)[..., chosen] for name in Flank.ARRAYS}
+        return replace(self, target=self.target[:, chosen], flank=replace(self.flank, **arrays))
 
     @cached_property
     def lever(self) -> Array:

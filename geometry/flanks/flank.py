@@ -13,9 +13,10 @@ First guesses of the surface parameters of a flank: its mean point, and a lattic
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -235,23 +236,12 @@ class Flank:
     blade_distance: Array
     status: NDArray[np.int8]
     part: NDArray[np.int8]
+    ARRAYS: ClassVar = ("parameters", "position", "normal", "blade_distance", "status", "part")
 
     @property
     def inside(self) -> Bools:
         """True where the node is a usable point of the flank (n)."""
         return np.asarray(self.status == NodeStatus.INSIDE)
-
-    def reshape(self, *shape: int) -> Flank:
-        """The same nodes in another arrangement."""
-        return replace(
-            self,
-            parameters=self.parameters.reshape(2, *shape),
-            position=self.position.reshape(3, *shape),
-            normal=self.normal.reshape(3, *shape),
-            blade_distance=self.blade_distance.reshape(shape),
-            status=self.status.reshape(shape),
-            part=self.part.reshape(shape),
-        )
 
 
 def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array, radial: Array) -> Flank:
@@ -268,15 +258,8 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
         )
         depths = turn * np.mod(azimuth - np.nanmedian(azimuth) + np.pi, 2 * np.pi)
     choice = deepest(parts, [f.blade_distance for f in flanks], list(depths))
-    return Flank(
-        surface,
-        pick([f.parameters for f in flanks], choice),
-        pick([f.position for f in flanks], choice),
-        pick([f.normal for f in flanks], choice),
-        pick([f.blade_distance for f in flanks], choice),
-        pick([f.status for f in flanks], choice),
-        choice,
-    )
+    picked = {name: pick([getattr(flank, name) for flank in flanks], choice) for name in Flank.ARRAYS}
+    return Flank(surface, **picked | {"part": choice})
 
 
 def solve_parts(surface: GeneratingSurface, section: BlankSection, axial: Array, radial: Array) -> tuple[Flank, ...]:
