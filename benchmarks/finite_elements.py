@@ -31,7 +31,6 @@ from easeoff.geometry import pair_geometry
 from easeoff.geometry.tooth.tooth_flanks import named_member
 from easeoff.geometry import LatticeSize
 from easeoff.geometry.tooth.tooth_lattice import usual_depth
-from easeoff.verification.shell_root_stress import thesis_kinematics
 
 from finite_element_split import split
 from finite_element_teeth import (
@@ -48,7 +47,8 @@ from finite_element_teeth import (
     solid_tooth,
     tooth,
 )
-from free_edge import figure
+from free_edge import figure  # which also finds the helpers of the tests
+from thesis_shell import thesis_kinematics
 
 REFERENCE = Path(__file__).parents[1] / "tests" / "data" / "finite_element_teeth.npz"
 HEAD = ("free edge %", "matrix %", "uniform load %")

@@ -6,7 +6,9 @@ separate ones, in % of the transmission error. Bricks of 8 x 3 x 2 in the tooth;
 
 from __future__ import annotations
 
+import sys
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -28,7 +30,9 @@ from easeoff.contact.compliance.finite_elements.flank_compliance import (
 from easeoff.contact.compliance.finite_elements.tooth_ring import body_modes, ring_size, with_body
 from easeoff.geometry import LatticeSize, pair_geometry, tooth_lattice
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
-from easeoff.verification.toothed_sector import toothed_sector
+
+sys.path.append(str(Path(__file__).parents[1] / "tests" / "helpers"))
+from toothed_sector import toothed_sector
 
 Array = NDArray[Any]
 CASES = (("fm-11x41", 500.0), ("nasa-12x36", 200.0))

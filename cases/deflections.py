@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..core.arrays import Array
-from ..core.checks import array, frozen_arrays, one_of, words
+from ..core.arrays import Array, record
+from ..core.checks import array, one_of, words
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from .schema.usual_torques import TORQUE_LIMIT
@@ -31,8 +31,7 @@ NONE = Misalignment()
 FLANKS: tuple[FlankName, ...] = ("drive", "coast")
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Deflections:
     """Misalignment over the torque, as deflections of shafts, bearings and housing make it.
 

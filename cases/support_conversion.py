@@ -7,10 +7,15 @@ from typing import get_args
 import numpy as np
 
 from ..contact.compliance.material import Material
-from ..contact.supports.bearing import Bearing, Stiffness, StiffnessCurve
-from ..contact.supports.shaft import Shaft
-from ..contact.supports.shaft_section import ShaftSection
-from ..contact.supports.shaft_support import ShaftSupport, ShaftSupports
+from ..contact.supports.shaft import (
+    Bearing,
+    Shaft,
+    ShaftSection,
+    ShaftSupport,
+    ShaftSupports,
+    Stiffness,
+    StiffnessCurve,
+)
 from ..contact.supports.support import LoadedSupports, MemberAxis, Support, Supports, member_axes
 from ..core.checks import instance
 from ..core.errors import InputError

@@ -20,14 +20,14 @@ and thermal factors, by which the heat of the sheared inlet lowers rolling tract
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
 
-from ..core.arrays import Array
-from ..core.checks import array, frozen_arrays, one_of, positive
+from ..core.arrays import Array, record
+from ..core.checks import array, one_of, positive
 from .lubricants.lubricant import THERMAL_CONDUCTIVITY
 
 
@@ -123,8 +123,7 @@ FILM_FACTORS = ("none", "gupta_cheng", "murch_wilson")
 STEEL_MODULUS = 2.27e11  # [Pa]; 2/[(1 - v1^2)/E1 + (1 - v2^2)/E2] of steel on steel
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ContactConditions:
     """Operating conditions of line contacts; all arrays broadcast against each other, everything in SI.
 

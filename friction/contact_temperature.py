@@ -29,7 +29,6 @@ equally warm in its middle.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cache
 from typing import Any, Literal
 
@@ -38,8 +37,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike
 from scipy.special import ellipe, k0e, kve
 
-from ..core.arrays import Array
-from ..core.checks import array, frozen_arrays, instances, positive, two, whole
+from ..core.arrays import Array, record
+from ..core.checks import array, instances, positive, two, whole
 from .operation import ThermalMaterial
 
 Distribution = Literal["elliptic", "uniform"]
@@ -218,8 +217,7 @@ def blok_flash_temperature(
 STRIP_LIMIT = 10_000
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class MatchedBand:
     """Temperature across a contact whose flanks are equally warm.
 

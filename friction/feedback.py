@@ -17,12 +17,11 @@ from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..contact.line_contact.line_contact_law import solve_line_contacts
 from ..contact.loaded import LoadedCase
 from ..contact.solvers import SolverChoice, Status
-from ..core.arrays import Array
+from ..core.arrays import Array, Bools
 from ..core.attributes import labelled
 from ..core.checks import instance, instances
 from .coefficient import CoefficientModel
@@ -58,12 +57,7 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
 
 
 def _solved_again(
-    cases: Sequence[LoadedCase],
-    torque: Array,
-    due: NDArray[np.bool_],
-    loaded: xr.Dataset,
-    ratio: float,
-    solver: SolverChoice,
+    cases: Sequence[LoadedCase], torque: Array, due: Bools, loaded: xr.Dataset, ratio: float, solver: SolverChoice
 ) -> xr.Dataset:
     """The loaded contact with other pinion torques (t, k) [N m] at the cases that are due."""
     result = loaded.copy(deep=True)

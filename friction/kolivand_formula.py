@@ -17,13 +17,13 @@ Ranges of friction formulas: flags of what was clamped or extrapolated, and its 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.arrays import Array
+from ..core.arrays import Array, Bools, Integers
 from ..core.checks import array, instance
 from .conditions import ContactConditions
 
@@ -60,23 +60,14 @@ def combined_flags(conditions_of: dict[int, Array]) -> Flags:
     return np.asarray(total, dtype=np.uint16)
 
 
-@dataclass
 class LossShares:
     """Parts of the power loss that need a note, over (torque, speed, temperature, roughness), flags first."""
 
-    shape: tuple[int, int, int, int]
-    whole: Array = field(init=False)
-    outside: Array = field(init=False)
-    by_flag: Array = field(init=False)
-    between: Array = field(init=False)
-    thinned: Array = field(init=False)
-    thinning: Array = field(init=False)
+    def __init__(self, shape: tuple[int, int, int, int]) -> None:
+        self.whole, self.outside, self.between, self.thinned, self.thinning = (np.zeros(shape) for _ in range(5))
+        self.by_flag = np.zeros((len(FLAGS), *shape))
 
-    def __post_init__(self) -> None:
-        self.whole, self.outside, self.between, self.thinned, self.thinning = (np.zeros(self.shape) for _ in range(5))
-        self.by_flag = np.zeros((len(FLAGS), *self.shape))
-
-    def add(self, torque: NDArray[np.int64], loss: Array, flags: Flags | None, between: Array, thinning: Array) -> None:
+    def add(self, torque: Integers, loss: Array, flags: Flags | None, between: Array, thinning: Array) -> None:
         """Add a block of segments by sorted torque numbers (n), with losses (speed, temperature, roughness, n).
 
         ``between``: the coefficient is where two expressions of the formula meet; ``thinning``: part lost to inlet
@@ -265,7 +256,7 @@ def _joined(below: Array, above: Array, weight: Array) -> Array:
     return np.where(weight, above, below) if weight.dtype == bool else below + weight * (above - below)
 
 
-def between_regimes(conditions: ContactConditions) -> NDArray[np.bool_]:
+def between_regimes(conditions: ContactConditions) -> Bools:
     """True where lambda (...) is within one of the ``BLEND_WINDOWS``, about the steps of the formula."""
     ratio = conditions.film_thickness / np.hypot(*_roughnesses(conditions))
     return np.asarray(np.any([(low < ratio) & (ratio < high) for low, high in BLEND_WINDOWS], axis=0))
@@ -297,7 +288,7 @@ def formula_flags(conditions: ContactConditions, coefficient: Array | None = Non
     """
     instance("conditions", conditions, ContactConditions)
 
-    def outside(name: str, values: Array, below: bool = True, above: bool = True) -> NDArray[np.bool_]:
+    def outside(name: str, values: Array, below: bool = True, above: bool = True) -> Bools:
         low, high = STUDY_RANGES[name]
         slack = 1e-9  # a range's end that went through a change of units is within
         under, over = values < low * (1.0 - slack), values > high * (1.0 + slack)

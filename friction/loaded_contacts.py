@@ -17,10 +17,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..contact.lines.flank_splines import FlankSplines, fit
-from ..core.arrays import Array
+from ..core.arrays import Array, Bools, Integers
 from ..core.checks import instance
 from ..core.errors import InputError
 from ..geometry.newton import cramers_rule, determinant
@@ -149,16 +148,16 @@ def surface_velocities(axes: Axes, splines: FlankSplines, points: Array) -> Surf
 class LoadedContacts:
     """Contact segments that carry force (n), over all torques (t) and mesh positions (k) of a result, in SI."""
 
-    index: NDArray[np.int64]  # torque, mesh position, segment (3, n), sorted
+    index: Integers  # torque, mesh position, segment (3, n), sorted
     torque: Array  # at the pinion (t) [N m]
     force: Array
     length: Array
     hertz_pressure: Array
     equivalent_radius: Array
     velocities: SurfaceVelocities
-    solved: NDArray[np.bool_]  # (t, k) certified
+    solved: Bools  # (t, k) certified
     contact_modulus: float
-    on_line: NDArray[np.bool_]  # not on tooth edges (n)
+    on_line: Bools  # not on tooth edges (n)
 
     @property
     def half_width(self) -> Array:
@@ -166,7 +165,7 @@ class LoadedContacts:
         return 2.0 * self.force / (np.pi * self.length * self.hertz_pressure)
 
     @property
-    def group(self) -> NDArray[np.int64]:
+    def group(self) -> Integers:
         """Number of torque and mesh position (n), counted together."""
         return np.asarray(self.index[0] * self.solved.shape[1] + self.index[1])
 
@@ -201,7 +200,7 @@ def loaded_segments(tree: xr.DataTree) -> xr.Dataset:
 class PotentialSegments:
     """All segments of a result and their surface velocities, which are the same at every torque."""
 
-    exists: NDArray[np.bool_]  # (mesh position, segment)
+    exists: Bools  # (mesh position, segment)
     velocities: SurfaceVelocities
 
     def spread(self, values: Array) -> Array:

@@ -9,14 +9,13 @@ The hottest contact of a mesh cycle, at every operating condition, is found on t
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ..core.arrays import Array
+from ..core.arrays import Array, Integers
 from ..core.checks import instance, one_of
 from .coefficient import RANGE_FLAGS, checked_coefficient
 from .conditions import THERMAL_FACTORS, ContactConditions
@@ -147,20 +146,14 @@ def rolling_traction(conditions: ContactConditions, thermal_factor: str = "gokse
     return np.asarray(isothermal_traction(conditions) * factor(conditions))
 
 
-@dataclass
 class HottestContacts:
     """The hottest contact over (torque, speed, temperature, roughness), found a block of contacts at a time."""
 
-    shape: tuple[int, int, int, int]
-    flash: Array = field(init=False)
-    contact: NDArray[np.int64] = field(init=False)
-    pressure_velocity: Array = field(init=False)
+    def __init__(self, shape: tuple[int, int, int, int]) -> None:
+        self.flash, self.pressure_velocity = np.full(shape, -np.inf), np.full(shape, -np.inf)
+        self.contact: Integers = np.zeros(shape, dtype=np.int64)
 
-    def __post_init__(self) -> None:
-        self.flash, self.pressure_velocity = np.full(self.shape, -np.inf), np.full(self.shape, -np.inf)
-        self.contact = np.zeros(self.shape, dtype=np.int64)
-
-    def add(self, torque: NDArray[np.int64], block: Losses) -> None:
+    def add(self, torque: Integers, block: Losses) -> None:
         """Add a block of contacts by their sorted torque numbers (c); a flash temperature of NaN does not count."""
         starts = np.flatnonzero(np.diff(torque, prepend=-1))
         flash, product = (
@@ -175,7 +168,7 @@ class HottestContacts:
             self.contact[at] = np.where(hotter, block.contacts.start + start + hottest, self.contact[at])
             self.pressure_velocity[at] = np.maximum(self.pressure_velocity[at], product[..., start:end].max(axis=-1))
 
-    def variables(self, loaded: xr.Dataset, index: NDArray[np.int64], bulk_temperature: Array) -> dict[str, Any]:
+    def variables(self, loaded: xr.Dataset, index: Integers, bulk_temperature: Array) -> dict[str, Any]:
         """Variables of the group ``/friction``, NaN where no contact line carries; bulk temperature in [degC].
 
         Contacts are numbered by torque, mesh position and segment (3, n), which come first in ``/loaded``.
@@ -193,5 +186,5 @@ class HottestContacts:
                 values[f"max_flash_{name}"] = loaded[name].values[at]
         else:
             nowhere = ("position", "lengthwise", "profile")
-            values |= {f"max_flash_{name}": np.full(self.shape, np.nan) for name in nowhere}
+            values |= {f"max_flash_{name}": np.full(self.flash.shape, np.nan) for name in nowhere}
         return {name: (OPERATING_DIMENSIONS, np.where(known, value, np.nan)) for name, value in values.items()}

@@ -8,8 +8,8 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ..core.arrays import Array
-from ..core.checks import array, distinct, frozen_arrays, instance, number, one_of
+from ..core.arrays import Array, record
+from ..core.checks import array, distinct, instance, number, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
 from .conditions import FILM_FACTORS, THERMAL_FACTORS, film_formula
@@ -72,8 +72,7 @@ def _mean_roughness(pairs: Array) -> Array:
     return np.where(pairs[:, 0] == pairs[:, 1], pairs[:, 0], np.sqrt(np.mean(pairs**2, axis=1)))
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Operation:
     """Speeds, temperatures and roughnesses; every combination is computed.
 

@@ -11,9 +11,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..core.arrays import Array
+from ..core.arrays import Array, Bools, Integers
 
 Pair = Sequence[Array] | Array
 COMPLEX_STEP = 1e-30
@@ -58,7 +57,7 @@ class NewtonResult:
 
     parameters: Array
     jacobian: Array
-    converged: NDArray[np.bool_]
+    converged: Bools
 
 
 def solve(
@@ -103,7 +102,7 @@ def solve(
 
 
 def solve_by(
-    derivatives: Callable[[Array, NDArray[np.int64]], tuple[Array, Array]],
+    derivatives: Callable[[Array, Integers], tuple[Array, Array]],
     start: Array,
     target: Array,
     max_step: Array,

@@ -24,8 +24,7 @@ import xarray as xr
 from ..cases.deflection_table import MisalignmentSource
 from ..cases.schema.case_schema import Case, ComplianceTable
 from ..contact.evaluation.flank_region import ProjectionPlane
-from ..contact.evaluation.marking_print import PRINT_GRID, checked_thickness
-from ..contact.evaluation.unloaded_pattern import UnloadedPattern
+from ..contact.evaluation.marking_print import PRINT_GRID, UnloadedPattern, checked_thickness
 from ..core.arrays import Array
 from ..core.attributes import StoredStatus, labelled
 from ..core.checks import frozen_arrays, number, two_whole, whole

@@ -16,16 +16,14 @@ root stress                       ``shell_root_stress``: section forces in the s
 measured deviations               ``distance_along_normals``
 corrective settings               ``correction_loop``: cut, measure, correct, cut with the same errors, measure
 solvers of the contact problem    ``problems`` of the ``PROBLEM_CLASSES``
-shell                             ``thesis_kinematics``, ``monomials``: the dissertation's own
-teeth on one body                 ``toothed_sector``: all teeth and their body as one lattice, solved whole
 free ends of teeth                ``end_relief``: bricks of a body with a free end face, at which a line load ends
-finite elements                   ``serendipity_functions``: the element of other programs
 ================================  =================================================================================
 """
 
 from .case_verification import Verification, verify
 from .conventional_analysis import RelativeCurvature, relative_curvature
 from .correction_loop import CorrectionLoop, correction_loop
+from .end_relief import EndRelief, end_relief
 from .envelope_condition import EnvelopeCondition, envelope_condition
 from .flank_contact import FlankContact, contact_of_flanks
 from .flank_response import FlankResponse, flank_response
@@ -33,7 +31,6 @@ from .problem_classes import problems
 from .shell_root_stress import shell_root_stress
 from .smallest_gap import SmallestGap, smallest_gap
 from .surface_cells import FlanksInMesh, flanks_in_mesh
-from .toothed_sector import EndRelief, end_relief
 from .verification_row import RowStatus, VerificationRow
 
 __all__ = [

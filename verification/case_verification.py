@@ -26,10 +26,16 @@ from ..core.errors import EaseoffError
 from ..geometry.pair.gear_pair import FlankName
 from ..study.case_in_mesh import checked_case
 from .flank_contact import FlankContact
-from .flank_rows import flank_rows
-from .loaded_rows import certificate_row, convergence_rows, gap_row, refinements, solver_rows
-from .unloaded_rows import conventional_rows, smallest_gap_rows
-from .unsplit_rows import UnsplitContact, unsplit_rows
+from .geometry_rows import conventional_rows, flank_rows, smallest_gap_rows
+from .loaded_rows import (
+    UnsplitContact,
+    certificate_row,
+    convergence_rows,
+    gap_row,
+    refinements,
+    solver_rows,
+    unsplit_rows,
+)
 from .verification_row import RowStatus, VerificationRow, not_applicable
 from .verified_pair import VerifiedPair
 

@@ -24,23 +24,19 @@ contact the gap is half the relative curvature times the distance squared, the c
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..contact.lines.closest_approach import closest_approach
 from ..contact.lines.contact_lines import contact_splines
 from ..contact.lines.flank_splines import FlankSplines
 from ..contact.lines.mesh_lines import MeshLines, lines_in_mesh
 from ..contact.unloaded import unloaded_contact
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays, instance
-from ..geometry.cutting.generating_surface import GeneratingSurface
+from ..core.arrays import Array, Bools, record
+from ..core.checks import instance
+from ..geometry.cutting.generating_surface import GeneratingSurface, SurfacePoints
 from ..geometry.flanks.curvature import Curvatures
 from ..geometry.flanks.flank import Flank, seed_lattice
-from ..geometry.newton import complex_steps
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.ease_off import EaseOff
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, PairGeometry, pair_geometry
@@ -48,8 +44,7 @@ from ..geometry.vectors import column, cross, dot, rotate
 from .smallest_gap import limited_newton
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ShapeOperator:
     """Shape operator of a surface at n points, symmetric, in an orthonormal tangent basis; convex bodies positive."""
 
@@ -69,8 +64,7 @@ class ShapeOperator:
         return Curvatures(np.stack([middle + radius, middle - radius]), direction)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class DirectionalCurvatures:
     """Normal curvature and geodesic torsion along the two parameter curves, at n points."""
 
@@ -104,19 +98,13 @@ def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> Dir
     The change of the outward normal per mm is k t + tau v, of the inward one -(k t + tau v); derivatives by complex
     step.
     """
-
-    def position_and_normal(p: Array) -> Array:
-        position, normal, _ = surface.evaluate(p)
-        return np.concatenate([position, normal])
-
     with np.errstate(all="ignore"):
-        value, derivatives = complex_steps(position_and_normal, parameters)
-        normal = value[3:]
+        points = SurfacePoints.of(surface, parameters)
         tangents, acrosses, curvatures, torsions = [], [], [], []
-        for derivative in derivatives:
+        for derivative in points.slopes:
             length = np.sqrt(dot(derivative[:3], derivative[:3]))
-            tangent, turning = derivative[:3] / length, derivative[3:] / length
-            across = cross(normal, tangent)
+            tangent, turning = derivative[:3] / length, derivative[3:6] / length
+            across = cross(points.normal, tangent)
             tangents.append(tangent)
             acrosses.append(across)
             curvatures.append(dot(turning, tangent))
@@ -124,8 +112,7 @@ def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> Dir
     return DirectionalCurvatures(np.stack(tangents), np.stack(acrosses), np.stack(curvatures), np.stack(torsions))
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class PointContact:
     """Contact points at pinion rotations (n), each in the member's own frame; NaN where not converged."""
 
@@ -136,7 +123,7 @@ class PointContact:
     pinion_parameters: Array
     gear_position: Array  # (3, n) [mm]
     pinion_position: Array
-    converged: NDArray[np.bool_]
+    converged: Bools
 
 
 def point_contact(
@@ -199,8 +186,7 @@ def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointCo
     )
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class RelativeCurvature:
     """Second-order gap at n points of contact, vectors in the gear's frame.
 
@@ -316,8 +302,7 @@ EDGE_MARGIN = 0.02  # fraction of face and profile; nearer to an edge the contac
 BLADE_DISTANCE_MARGIN = 0.1  # [mm]
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class BothMethods:
     """Analysis of a pair by the ease-off method and conventionally, at n rotations, tooth pair by tooth pair."""
 
@@ -326,7 +311,7 @@ class BothMethods:
     mesh: MeshLines
     contact: PointContact
     relative: RelativeCurvature
-    inside: NDArray[np.bool_]  # contact point within both flanks, by a margin (n)
+    inside: Bools  # contact point within both flanks, by a margin (n)
     first_contact: float  # closing angle where the ease-off method's error is zero [rad]
 
     @property
@@ -361,7 +346,7 @@ def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMe
     return BothMethods(geometry, splines, mesh, contact, relative, inside, zero)
 
 
-def _on_flank(member: Member, position: Array, parameters: Array) -> NDArray[np.bool_]:
+def _on_flank(member: Member, position: Array, parameters: Array) -> Bools:
     """True where points (3, n) lie within a flank by the margins, and are not undercut."""
     fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
     with np.errstate(invalid="ignore"):

@@ -17,13 +17,12 @@ Distance of a flank from nominal points along their normals, as a coordinate mea
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays, instance
+from ..core.arrays import Array, record
+from ..core.checks import instance
 from ..core.errors import GeometryError
 from ..geometry.cutting.blade import Blade, BladeSection
 from ..geometry.cutting.generating_surface import GeneratingSurface
@@ -98,8 +97,7 @@ ANGLE_STEP = 5e-3  # [rad]; with it the difference's error and rounding are both
 EDGE_STEP = 0.05  # [mm]
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class EnvelopeCondition:
     """Flank against cutter at n nodes; NaN where there is no flank.
 

@@ -20,7 +20,7 @@ Lines of a solved contact without the split: the greatest pressure and the line 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import scipy.linalg
@@ -30,9 +30,8 @@ from ..contact.compliance.material import Material
 from ..contact.lines.mesh_lines import MeshLines
 from ..contact.problem.contact_problem import ContactProblem
 from ..contact.solvers import ContactSolution, solve
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays, instance, instances, positive, truth, whole
-from ..geometry.flanks.blank_section import BlankSection
+from ..core.arrays import Array, record
+from ..core.checks import instance, instances, positive, truth, whole
 from ..geometry.pair.gear_pair import GearPair
 from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import LatticeSize
@@ -87,8 +86,7 @@ ROTATION_LIMIT = 0.1  # [rad]; flanks without cells at this rotation cannot touc
 BORROWED_LINE_DISTANCE = 0.25  # [pitch], from a mesh position without a line to the one whose line it takes
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class FlankContact:
     """Solved contact of one mesh position.
 
@@ -282,36 +280,6 @@ def line_directions(contact: FlankContact) -> list[Array]:
 BRICKS_PER_MILLIMETRE = 0.55  # along the face
 FEWEST_BRICKS, MOST_BRICKS = 24, 32  # along the face
 THIN_BRICKS = 4  # of these
-
-
-def line_stations(pair: GearPair, contact: FlankContact) -> Array:
-    """Stations (n) across the contact lines that carry load, at the greatest pressure, from ``contact_of_flanks``.
-
-    Rows (6, n): tooth pair, lengthwise and profile fraction, greatest pressure [MPa], line load [N/mm], distance from
-    toe, heel and tip of either member [mm].
-    """
-    columns = []
-    for tooth, cells, force in zip(contact.pairs, contact.cells, contact.force, strict=True):
-        pressure = force / cells.area
-        for station in np.unique(cells.station[force > 0.0]):
-            indices = np.flatnonzero(cells.station == station)
-            top = indices[np.argmax(pressure[indices])]
-            load = float(pressure[indices] @ cells.sides[indices, 1])
-            place = cells.gear_fractions[:, top]
-            edge = min(
-                edge_distance(pair.gear.section, place),
-                edge_distance(pair.pinion.section, cells.pinion_fractions[:, top]),
-            )
-            columns.append((tooth, *place, pressure[top], load, edge))
-    return np.array(columns).T.reshape(6, -1)
-
-
-def edge_distance(section: BlankSection, place: Array) -> float:
-    """Distance of a place (2), as fractions, from toe, heel and tip of its flank [mm]."""
-    corners = section.corners
-    height = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) @ np.array([1.0 - place[0], place[0]])
-    length = np.linalg.norm(corners[1, 1] - corners[0, 1])
-    return float(min(place[0] * length, (1.0 - place[0]) * length, (1.0 - place[1]) * height))
 
 
 def response_size(pair: GearPair, member: MemberName, *, finer: bool = False) -> LatticeSize:

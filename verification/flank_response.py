@@ -28,18 +28,15 @@ smooth. At every other node u = v; at the loaded one, with b = 0 there, v is wha
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array
 
 from ..contact.compliance.finite_elements.array_store import kept, key_of
 from ..contact.compliance.finite_elements.elastic_body import COLUMNS_PER_SOLVE, elastic_body, quadratic, stiffness
 from ..contact.compliance.finite_elements.finite_element_tooth import filling
 from ..contact.compliance.material import Material
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays, instance
+from ..core.arrays import Array, Integers, record
+from ..core.checks import instance
 from ..geometry.pair.gear_pair import GearPair
 from ..geometry.tooth.tooth_flanks import MemberName
 from ..geometry.tooth.tooth_lattice import LatticeSize, LatticeSpacing, ToothLattice, tooth_lattice, with_middles
@@ -75,12 +72,7 @@ LOAD_DISTANCE_LIMIT = 0.02  # [mm]
 
 
 def surface_compliance(
-    nodes: Array,
-    cells: NDArray[np.int64],
-    held: NDArray[np.int64],
-    material: Material,
-    loaded: NDArray[np.int64],
-    normal: Array,
+    nodes: Array, cells: Integers, held: Integers, material: Material, loaded: Integers, normal: Array
 ) -> Array:
     """Displacements (k, k) [mm/N] into the body by unit forces into it at nodes (k) of a smooth surface.
 
@@ -115,7 +107,7 @@ def surface_compliance(
     return result
 
 
-def _near(nodes: Array, cells: NDArray[np.int64], loaded: NDArray[np.int64], normal: Array) -> NDArray[np.int64]:
+def _near(nodes: Array, cells: Integers, loaded: Integers, normal: Array) -> Integers:
     """Bricks that stay clear of the singular rays of all forces."""
     middles = nodes[cells[:, 1, 1, 1]]
     clear = np.ones(len(cells), dtype=bool)
@@ -125,7 +117,7 @@ def _near(nodes: Array, cells: NDArray[np.int64], loaded: NDArray[np.int64], nor
     return cells[clear]
 
 
-def _faces(nodes: Array, cells: NDArray[np.int64]) -> tuple[Array, Array, csc_array]:
+def _faces(nodes: Array, cells: Integers) -> tuple[Array, Array, csc_array]:
     """Surface of bricks: quadrature points (q, 3), outward normals times weights, and their shares in the nodes."""
     sides = [(np.take(cells, end, axis=1 + axis).reshape(-1, 9), axis, end) for axis in range(3) for end in (0, 2)]
     all_faces = np.concatenate([face for face, _, _ in sides])
@@ -158,8 +150,7 @@ LOADED_PROFILE_LIMIT = 0.02  # of the nodes that are loaded; the fillet below is
 STORE_VERSION = 2  # of what is kept; raise it when the same input gives other arrays
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class FlankResponse:
     """Compliance that a tooth's body adds to the half space under normal forces on its loaded flank.
 
@@ -199,7 +190,7 @@ class FlankResponse:
         return csr_array((values, (points_of, index.ravel())), shape=(points.shape[1], self.profile.size))
 
 
-def cubic_shares(points: Array, wanted: Array) -> tuple[NDArray[np.int64], Array]:
+def cubic_shares(points: Array, wanted: Array) -> tuple[Integers, Array]:
     """Indices and shares (n, 4) of the four of each row's increasing points (n, m) around the wanted ones (n)."""
     inside = np.clip(wanted, points[:, 0], points[:, -1])
     first = np.clip(np.sum(points <= inside[:, None], axis=1) - 2, 0, points.shape[1] - 4)

@@ -16,14 +16,14 @@ normal to the pinion flank. Negative where the flanks overlap.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ..core.arrays import Array
-from ..core.checks import array, frozen_arrays, instance
+from ..core.arrays import Array, Bools, Integers, record
+from ..core.checks import array, instance
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.flank import Flank, NodeStatus, deepest, pick, seed_lattice, solve_flank
 from ..geometry.newton import COLUMNS_PER_BLOCK, complex_steps, cramers_rule, solve
@@ -47,8 +47,7 @@ LIMIT_ITERATIONS = 12
 EDGES = {"toe": (0, 0.0), "heel": (0, 1.0), "root": (1, 0.0), "tip": (1, 1.0)}
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class SmallestGap:
     """Smallest gap at pinion rotations (n); NaN where no point of one flank lies opposite a point of the other.
 
@@ -104,7 +103,7 @@ def smallest_gap(geometry: PairGeometry, rotations: Array) -> SmallestGap:
     return _together([flanks.smallest(rotation) for rotation in rotations.ravel().tolist()])
 
 
-def smallest_envelope(geometry: PairGeometry, rotations: Array) -> tuple[SmallestGap, NDArray[np.int64]]:
+def smallest_envelope(geometry: PairGeometry, rotations: Array) -> tuple[SmallestGap, Integers]:
     """Smallest gap over all tooth pairs at pinion rotations (n), and the tooth pair (n) that carries."""
     flanks, pitch = _Flanks(geometry), geometry.pair.assembly.pinion_pitch
     best, carrying = [], []
@@ -276,9 +275,7 @@ class _Flanks:
         ahead = dot(cross(column(motion.gear_axis, position), from_axis), normal)
         return motion.in_gear(position, angle), ahead
 
-    def _met(
-        self, surface: GeneratingSurface, start: Array, target: Array, turned: float
-    ) -> tuple[Array, NDArray[np.bool_]]:
+    def _met(self, surface: GeneratingSurface, start: Array, target: Array, turned: float) -> tuple[Array, Bools]:
         """Parameters (2, n) of the pinion points on the circles that the gear points (2, n) run on, and where found."""
 
         def axial_and_radial(p: Array) -> Array:
@@ -329,7 +326,7 @@ def _valley(field: Array) -> Array:
     return np.stack([minima / (field.shape[0] - 1), (middle + step)[minima] / (field.shape[1] - 1)])
 
 
-def _within(fractions: Array) -> NDArray[np.bool_]:
+def _within(fractions: Array) -> Bools:
     """True where fractions (2, n) lie on a flank."""
     with np.errstate(invalid="ignore"):
         return np.asarray(np.all(np.abs(fractions - 0.5) <= 0.5 + FRACTION_TOLERANCE, axis=0))
@@ -372,7 +369,7 @@ RESIDUAL_TOLERANCE = 1e-9  # [mm]
 
 def limited_newton(
     function: Callable[[Array], Array], values: Array, limit: Array, tolerance: float, iterations: int
-) -> tuple[Array, NDArray[np.bool_]]:
+) -> tuple[Array, Bools]:
     """Values (m, n) of which the first k make a function zero, and where (n) they do; steps have limits (k).
 
     More equations than unknowns are met by least squares, which keeps the symmetry between them.
@@ -394,8 +391,7 @@ def limited_newton(
     return values, converged
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class FlankGap:
     """Gap along the outward normal at points (n) of the gear flank; NaN where no pinion flank was found."""
 
@@ -405,12 +401,7 @@ class FlankGap:
 
 
 def flank_gap(
-    motion: ConjugateMotion,
-    position: Array,
-    normal: Array,
-    rotation: float,
-    closing: float,
-    start: Array,
+    motion: ConjugateMotion, position: Array, normal: Array, rotation: float, closing: float, start: Array
 ) -> FlankGap:
     """Gap between the flanks at one mesh position, at points (3, n) [mm] of the gear, started from ``start``.
 

@@ -11,15 +11,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..contact.lines.closest_approach import closest_approach
 from ..contact.lines.contact_lines import arc_length, contact_splines
 from ..contact.lines.flank_splines import FlankSplines
 from ..contact.loaded import LoadedCase
 from ..contact.mesh_cycle import MeshCycle
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays
+from ..core.arrays import Array, Integers, record
 from ..geometry.flanks.flank import solve_flank
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, PairGeometry, pair_geometry
@@ -81,13 +79,12 @@ def flanks_of(geometry: PairGeometry) -> FlanksInMesh:
     return FlanksInMesh(geometry.pair, surface.motion, fields, float(ease_off.attrs["first_contact_rad"]))
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class SurfaceCells:
     """Cells (n) of one tooth pair at one mesh position."""
 
-    station: NDArray[np.int64]
-    row: NDArray[np.int64]  # across, zero on the line
+    station: Integers
+    row: Integers  # across, zero on the line
     along: Array
     across: Array
     sides: Array  # along and across (n, 2) [mm]
@@ -190,8 +187,7 @@ def _stations(splines: FlankSplines, points: Array, step: float, extension: floa
     return middle + tangent * (wanted - inside), slope
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class SegmentGaps:
     """Gaps of the segments (n) of one solved case, as gear rotations [rad]."""
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -14,8 +13,7 @@ from ..cases.conversion import misalignment as case_misalignment
 from ..cases.deflection_table import MisalignmentSource, misalignment_of
 from ..cases.deflections import misalignment_at
 from ..cases.schema.case_schema import Case
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays
+from ..core.arrays import Array, record
 from ..core.errors import InputError
 from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName
@@ -24,8 +22,7 @@ from ..study.case_in_mesh import CaseInMesh
 from .surface_cells import FlanksInMesh, flanks_of
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class VerifiedPair:
     """A case's pair in mesh with its analysis, and what makes others of it."""
 

@@ -34,10 +34,7 @@ def _terms(unit: str, *keys: str, **renamed: str) -> dict[str, Term]:
 
 STAGE_TERMS = _terms("deg", "shaft_angle") | _terms("mm", "hypoid_offset")
 MISALIGNMENT_TERMS = _terms(
-    "mm",
-    offset="deviation_of_offset",
-    pinion_axial="axial_displacement_pinion",
-    gear_axial="axial_displacement_gear",
+    "mm", offset="deviation_of_offset", pinion_axial="axial_displacement_pinion", gear_axial="axial_displacement_gear"
 ) | _terms("deg", shaft_angle="deviation_of_shaft_angle")
 MEMBER_TERMS = _terms("none", "number_of_teeth") | _terms(
     "mm", mean_normal_circular_thickness="mean_normal_circular_tooth_thickness"

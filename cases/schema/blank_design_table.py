@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal, Self
+from typing import Any, Literal
 
 from pydantic import model_validator
 
-from .schema_table import Integer, Number, Table, key, number
+from .schema_table import Integer, Number, Table, key, number, optional
 
 
 class BlankDesignTable(Table):
@@ -16,54 +16,47 @@ class BlankDesignTable(Table):
         "pitch cones: spiral bevel (0), or hypoid after Gleason (1), Oerlikon (2), Klingelnberg (3)", "1"
     )
     process: Literal["face_milled", "face_hobbed"] = key("face_hobbed in methods 2 and 3")
-    pinion_mean_spiral_angle: Number | None = number("method 1", "deg", default=None, ge=0, lt=90)
-    gear_mean_spiral_angle: Number | None = number(
-        "methods 0, 2 and 3; without an offset the pinion's, too", "deg", default=None, ge=0, lt=90
+    pinion_mean_spiral_angle: Number | None = optional("method 1", "deg", ge=0, lt=90)
+    gear_mean_spiral_angle: Number | None = optional(
+        "methods 0, 2 and 3; without an offset the pinion's, too", "deg", ge=0, lt=90
     )
     gear_face_width: Number = number("along the pitch cone", "mm", gt=0.5, lt=1000)
     cutter_radius: Number = number("mean radius", "mm", gt=1, lt=2000)
     nominal_drive_pressure_angle: Number = number("nominal drive pressure angle", "deg", default=20.0, ge=0, lt=45)
     nominal_coast_pressure_angle: Number = number("nominal coast pressure angle", "deg", default=20.0, ge=0, lt=45)
-    gear_outer_pitch_diameter: Number | None = number("methods 0, 1 and 3", "mm", default=None, gt=1, lt=10000)
-    gear_mean_pitch_diameter: Number | None = number("method 2", "mm", default=None, gt=1, lt=10000)
-    number_of_blade_groups: Integer | None = number("of a face-hobbing cutter", "1", default=None, ge=1, le=100)
+    gear_outer_pitch_diameter: Number | None = optional("methods 0, 1 and 3", "mm", gt=1, lt=10000)
+    gear_mean_pitch_diameter: Number | None = optional("method 2", "mm", gt=1, lt=10000)
+    number_of_blade_groups: Integer | None = optional("of a face-hobbing cutter", "1", ge=1, le=100)
     limit_pressure_angle_influence: Number = number(
         "share of the limit pressure angle that shifts the generated pressure angles", "1", default=0.0, ge=0, le=1
     )
-    profile_shift_coefficient: Number | None = number("data type I: of the pinion", "1", default=None, gt=-2, lt=2)
-    basic_addendum_factor: Number | None = number("data type I: addendum over module", "1", default=None, gt=0, lt=3)
-    basic_dedendum_factor: Number | None = number("data type I: dedendum over module", "1", default=None, gt=0, lt=3)
-    thickness_modification_coefficient: Number | None = number(
-        "data type I: of the pinion, over module", "1", default=None, gt=-1, lt=1
+    profile_shift_coefficient: Number | None = optional("data type I: of the pinion", "1", gt=-2, lt=2)
+    basic_addendum_factor: Number | None = optional("data type I: addendum over module", "1", gt=0, lt=3)
+    basic_dedendum_factor: Number | None = optional("data type I: dedendum over module", "1", gt=0, lt=3)
+    thickness_modification_coefficient: Number | None = optional(
+        "data type I: of the pinion, over module", "1", gt=-1, lt=1
     )
-    gear_mean_addendum_factor: Number | None = number(
-        "data type II: gear addendum over working depth", "1", default=None, gt=-1, lt=2
+    gear_mean_addendum_factor: Number | None = optional(
+        "data type II: gear addendum over working depth", "1", gt=-1, lt=2
     )
-    depth_factor: Number | None = number("data type II: working depth over module", "1", default=None, gt=0, lt=5)
-    clearance_factor: Number | None = number(
-        "data type II: clearance over working depth", "1", default=None, ge=0, lt=1
-    )
-    thickness_factor: Number | None = number(
+    depth_factor: Number | None = optional("data type II: working depth over module", "1", gt=0, lt=5)
+    clearance_factor: Number | None = optional("data type II: clearance over working depth", "1", ge=0, lt=1)
+    thickness_factor: Number | None = optional(
         "data type II: excess of the pinion's mean thickness over half the pitch and the profile shift, and deficit of "
         "the gear's, over module",
         "1",
-        default=None,
         gt=-1,
         lt=1,
     )
-    gear_mean_slot_width: Number | None = number(
-        "data type II, instead of thickness_factor: at the bottom, mid face", "mm", default=None, gt=0, lt=200
+    gear_mean_slot_width: Number | None = optional(
+        "data type II, instead of thickness_factor: at the bottom, mid face", "mm", gt=0, lt=200
     )
-    outer_normal_backlash: Number | None = number("at the heel", "mm", default=None, ge=0, lt=10)
-    outer_transverse_backlash: Number | None = number("at the heel", "mm", default=None, ge=0, lt=10)
-    mean_normal_backlash: Number | None = number("at mid face", "mm", default=None, ge=0, lt=10)
-    mean_transverse_backlash: Number | None = number("at mid face", "mm", default=None, ge=0, lt=10)
-    gear_addendum_angle: Number | None = number(
-        "face less pitch angle, instead of depth_taper", "deg", default=None, gt=-45, lt=45
-    )
-    gear_dedendum_angle: Number | None = number(
-        "pitch less root angle, instead of depth_taper", "deg", default=None, gt=-45, lt=45
-    )
+    outer_normal_backlash: Number | None = optional("at the heel", "mm", ge=0, lt=10)
+    outer_transverse_backlash: Number | None = optional("at the heel", "mm", ge=0, lt=10)
+    mean_normal_backlash: Number | None = optional("at mid face", "mm", ge=0, lt=10)
+    mean_transverse_backlash: Number | None = optional("at mid face", "mm", ge=0, lt=10)
+    gear_addendum_angle: Number | None = optional("face less pitch angle, instead of depth_taper", "deg", gt=-45, lt=45)
+    gear_dedendum_angle: Number | None = optional("pitch less root angle, instead of depth_taper", "deg", gt=-45, lt=45)
     depth_taper: Literal["standard", "uniform", "constant_slot_width", "modified_slot_width"] | None = key(
         "change of depth along the face", default=None
     )
@@ -78,8 +71,7 @@ class BlankDesignTable(Table):
             )
         return data
 
-    @model_validator(mode="after")
-    def _spiral_angle_of_the_method(self) -> Self:
+    def _check(self) -> None:
         wanted, other = "gear_mean_spiral_angle", "pinion_mean_spiral_angle"
         if self.method == 1:
             wanted, other = other, wanted
@@ -87,7 +79,6 @@ class BlankDesignTable(Table):
             raise ValueError(f"{other} = {getattr(self, other)}: method {self.method} takes {wanted} instead")
         if getattr(self, wanted) is None:
             raise ValueError(f"{wanted} is missing: method {self.method} needs it")
-        return self
 
     @property
     def mean_spiral_angle(self) -> float:

@@ -16,7 +16,7 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field, PrivateAttr, model_validator
+from pydantic import BeforeValidator, Field, PrivateAttr
 
 from ...core.checks import shown
 from ...core.errors import InputError, printable
@@ -27,7 +27,7 @@ from .blank_design_table import BlankDesignTable
 from .cutting_table import ROLL_KEYS, FlankSettings
 from .friction_table import FrictionTable
 from .load_case_table import LoadCases, named_load_cases
-from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number
+from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number, optional
 from .supports_table import SupportsTable
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
 
@@ -96,10 +96,10 @@ class DeflectionRow(Table):
     """A row of a table of deflections; a key must be in all rows or in none, where it counts as zero."""
 
     torque: Number = number("at the pinion, rising", "N m", ge=0, lt=TORQUE_LIMIT)
-    E: Number | None = number("increase of the offset", "mm", default=None, gt=-10, lt=10)
-    P: Number | None = number("pinion away from the crossing point", "mm", default=None, gt=-10, lt=10)
-    G: Number | None = number("gear away from the crossing point", "mm", default=None, gt=-10, lt=10)
-    Sigma: Number | None = number("increase of the shaft angle", "deg", default=None, gt=-5, lt=5)
+    E: Number | None = optional("increase of the offset", "mm", gt=-10, lt=10)
+    P: Number | None = optional("pinion away from the crossing point", "mm", gt=-10, lt=10)
+    G: Number | None = optional("gear away from the crossing point", "mm", gt=-10, lt=10)
+    Sigma: Number | None = optional("increase of the shaft angle", "deg", gt=-5, lt=5)
     flank: Literal["drive", "coast"] | None = key("in mesh; both if left out", default=None)
 
 
@@ -123,11 +123,9 @@ class MisalignmentTable(Table):
     shaft_angle: Number = number("Sigma: increase of the shaft angle", "deg", default=0.0, gt=-5, lt=5)
     deflections: DeflectionRows = ()
 
-    @model_validator(mode="after")
-    def _has_a_curve(self) -> Self:
+    def _check(self) -> None:
         if self.deflections:
             deflections_of(self.deflections)
-        return self
 
 
 def deflections_of(rows: Sequence[DeflectionRow], constant: Misalignment | None = None) -> Deflections:
@@ -165,15 +163,14 @@ class Blank(Table):
     outer_cone_distance: Number = number("pitch apex to heel", "mm", gt=1, lt=5000)
     face_width: Number = number("toe to heel along the pitch cone", "mm", gt=0.5, lt=1000)
     clearance: Number = number("root cone to the end of the flank, at right angles", "mm", default=0.0, ge=0, lt=50)
-    front_angle: Number | None = number(
-        "cone at right angles to the toe line; pitch_angle if left out", "deg", default=None, gt=-90, lt=180
+    front_angle: Number | None = optional(
+        "cone at right angles to the toe line; pitch_angle if left out", "deg", gt=-90, lt=180
     )
-    back_angle: Number | None = number(
-        "cone at right angles to the heel line; pitch_angle if left out", "deg", default=None, gt=-90, lt=180
+    back_angle: Number | None = optional(
+        "cone at right angles to the heel line; pitch_angle if left out", "deg", gt=-90, lt=180
     )
 
-    @model_validator(mode="after")
-    def _ordered(self) -> Self:
+    def _check(self) -> None:
         if self.face_angle < self.root_angle:
             raise ValueError(
                 f"face_angle = {self.face_angle}: must be at least root_angle = {self.root_angle} (degrees); "
@@ -184,7 +181,6 @@ class Blank(Table):
                 f"face_width = {self.face_width}: must be smaller than outer_cone_distance = "
                 f"{self.outer_cone_distance} (mm)"
             )
-        return self
 
 
 class Steel(Table):
@@ -198,16 +194,15 @@ class MemberTable(Table):
     """A pinion or a gear."""
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
-    mean_normal_circular_thickness: Number | None = number(
+    mean_normal_circular_thickness: Number | None = optional(
         "of the teeth at the mean point, on the pitch cone (s_mn of ISO 23509); from the cutter, or about the mate's "
         "slot, if no thickness is given",
         "mm",
-        default=None,
         gt=0,
         lt=200,
     )
-    mid_flank_normal_circular_thickness: Number | None = number(
-        "instead of it: in the middle of the flank", "mm", default=None, gt=0, lt=200
+    mid_flank_normal_circular_thickness: Number | None = optional(
+        "instead of it: in the middle of the flank", "mm", gt=0, lt=200
     )
     blank: Blank | None = None
     concave: FlankSettings | None = None
@@ -219,13 +214,11 @@ class MemberTable(Table):
         """Names of the flanks that it has."""
         return [side for side in ("concave", "convex") if getattr(self, side) is not None]
 
-    @model_validator(mode="after")
-    def _one_thickness(self) -> Self:
+    def _check(self) -> None:
         if self.mean_normal_circular_thickness is not None and self.mid_flank_normal_circular_thickness is not None:
             raise ValueError(
                 "mean_normal_circular_thickness and mid_flank_normal_circular_thickness: must not both be given"
             )
-        return self
 
 
 HandOfSpiral = Annotated[
@@ -277,14 +270,12 @@ class ContactTable(Table):
         lt=1000,
     )
 
-    @model_validator(mode="after")
-    def _positive_torques(self) -> Self:
+    def _check(self) -> None:
         for value in self.torques:
             if not TORQUE_MINIMUM <= value < TORQUE_LIMIT:
                 raise ValueError(f"torques contains {value}: must be {torque_range()}")
             if self.torques.count(value) > 1:
                 raise ValueError(f"torques contains {value} twice: give every torque once")
-        return self
 
 
 def _of_both_members(value: Any) -> Any:
@@ -299,12 +290,8 @@ class WebTable(Table):
     """Web that carries a member's rim from its toe end inwards along the root cone, held at its bore."""
 
     bore_diameter: Number = number("where the web ends and is held", "mm", gt=0, lt=5000)
-    thickness: Number | None = number(
-        "at right angles to the root cone, flush with the rim's bottom; the rim's if left out",
-        "mm",
-        default=None,
-        gt=0,
-        lt=1000,
+    thickness: Number | None = optional(
+        "at right angles to the root cone, flush with the rim's bottom; the rim's if left out", "mm", gt=0, lt=1000
     )
 
 
@@ -328,11 +315,10 @@ class ComplianceTable(Table):
     shear_factor: Number = number("shear correction", "1", default=1.0, gt=0, le=1)
     root: Literal["weber", "odonnell", "clamped"] = key("root springs; `clamped` for a rigid root", default="weber")
     root_factor: Number = number("multiplies the root's flexibility", "1", default=1.0, gt=0, le=10)
-    rim_depth: Depths | None = number(
+    rim_depth: Depths | None = optional(
         "elastic body below the root, of both members or of pinion and gear; 1.2 times the tooth's height if left out",
         "mm",
         allowed="one or two, > 0, < 1000",
-        default=None,
     )
     fineness: Number = number("multiplies bricks and functions in every direction", "1", default=1.0, ge=0.2, le=4)
 
@@ -340,8 +326,7 @@ class ComplianceTable(Table):
     pinion_web: WebTable | None = None
     gear_web: WebTable | None = None
 
-    @model_validator(mode="after")
-    def _of_one_model(self) -> Self:
+    def _check(self) -> None:
         foreign, wanted = (BRICK_KEYS, '"solid_shell" or "fe"') if self.model == "shell" else (SHELL_KEYS, '"shell"')
         chosen = "model" in self.model_fields_set
         for name in sorted(foreign & self.model_fields_set):
@@ -353,7 +338,6 @@ class ComplianceTable(Table):
         for name in ("pinion_web", "gear_web"):
             if getattr(self, name) is not None and not self.neighbours:
                 raise ValueError(f"{name}: must go with neighbours = true: the web carries the body that teeth share")
-        return self
 
 
 class TargetTable(Table):
@@ -475,13 +459,8 @@ class Case(InputFile):
         """Name of the file of the supports, or that they stand in the case; empty if there are none."""
         return "" if self.supports is None else self._supports_name or "of the case"
 
-    @model_validator(mode="after")
-    def _names_load_cases(self) -> Self:
+    def _check(self) -> None:
         named_load_cases(self.load_cases)
-        return self
-
-    @model_validator(mode="after")
-    def _has_blanks_once(self) -> Self:
         for name, member in (("pinion", self.pinion), ("gear", self.gear)):
             if self.blank_design is None and member.blank is None:
                 raise ValueError(
@@ -493,14 +472,14 @@ class Case(InputFile):
                     f"[blank_design] and [{name}.blank] are both given: basic data stand for the blanks of both "
                     "members, so leave out either [blank_design] or [pinion.blank] and [gear.blank]"
                 )
-        return self
-
-    @model_validator(mode="after")
-    def _has_torques(self) -> Self:
         if not self.contact.torques:
             torques = usual_torques(*self._size_of_the_teeth(), self.pinion.number_of_teeth)
             object.__setattr__(self, "contact", self.contact.model_copy(update={"torques": torques}))
-        return self
+        if not self.flanks:
+            raise ValueError(
+                "no flanks to mesh: give [pinion.concave] and [gear.convex] for the drive side, or [pinion.convex] and "
+                "[gear.concave] for the coast side"
+            )
 
     def _size_of_the_teeth(self) -> tuple[float, float]:
         """Outer transverse module and face width of the gear [mm]."""
@@ -513,12 +492,3 @@ class Case(InputFile):
         if basic.gear_mean_pitch_diameter is not None:
             diameter = basic.gear_mean_pitch_diameter + width * teeth / math.hypot(teeth, self.pinion.number_of_teeth)
         return diameter / teeth, width
-
-    @model_validator(mode="after")
-    def _has_a_pair_of_flanks(self) -> Self:
-        if not self.flanks:
-            raise ValueError(
-                "no flanks to mesh: give [pinion.concave] and [gear.convex] for the drive side, or [pinion.convex] and "
-                "[gear.concave] for the coast side"
-            )
-        return self

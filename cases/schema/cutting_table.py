@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from .schema_table import Integer, Number, Table, number
+from .schema_table import Integer, Number, Table, number, optional
 
 #: Keys of the modified roll, from the second derivative of the work rotation on.
 ROLL_KEYS = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")
@@ -45,11 +45,10 @@ class Cutter(Table):
     blade_hook_angle: Number = number(
         "face hobbing: turn about the radial direction", "deg", default=0.0, gt=-60, lt=60
     )
-    blade_spheric_radius: Number | None = number(
+    blade_spheric_radius: Number | None = optional(
         "circular profile, positive for a hollow edge, whose pressure angle grows towards the shank; "
         "straight if left out",
         "mm",
-        default=None,
         gt=-1e7,
         lt=1e7,
     )
@@ -57,39 +56,31 @@ class Cutter(Table):
         "where a circular profile has the pressure angle, above the tip plane", "mm", default=0.0, gt=-50, lt=100
     )
     tool_edge_radius: Number = number("between profile and tip land", "mm", default=0.0, ge=0, lt=20)
-    toprem_depth: Number | None = number("where it begins, above the tip plane", "mm", default=None, gt=0, lt=50)
+    toprem_depth: Number | None = optional("where it begins, above the tip plane", "mm", gt=0, lt=50)
     toprem_angle: Number = number("decrease of the pressure angle", "deg", default=0.0, ge=0, lt=30)
-    toprem_radius: Number | None = number("of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7)
-    flankrem_depth: Number | None = number("where it begins, above the tip plane", "mm", default=None, gt=0, lt=100)
+    toprem_radius: Number | None = optional("of its arc; straight if left out", "mm", gt=0.1, lt=1e7)
+    flankrem_depth: Number | None = optional("where it begins, above the tip plane", "mm", gt=0, lt=100)
     flankrem_angle: Number = number("increase of the pressure angle", "deg", default=0.0, ge=0, lt=30)
-    flankrem_radius: Number | None = number("of its arc; straight if left out", "mm", default=None, gt=0.1, lt=1e7)
+    flankrem_radius: Number | None = optional("of its arc; straight if left out", "mm", gt=0.1, lt=1e7)
 
-    @model_validator(mode="after")
-    def _hobbing_has_groups(self) -> Self:
+    def _check(self) -> None:
         turned = (self.blade_offset_angle, self.blade_rake_angle, self.blade_hook_angle)
         if self.number_of_blade_groups == 0 and any(turned):
             raise ValueError(
                 "blade_offset_angle, blade_rake_angle and blade_hook_angle belong to face hobbing: give "
                 "number_of_blade_groups"
             )
-        return self
-
-    @model_validator(mode="after")
-    def _reliefs_begin_somewhere(self) -> Self:
         for name in RELIEFS:
-            if getattr(self, f"{name}_depth") is None and (
-                getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
-            ):
+            begins = getattr(self, f"{name}_depth") is not None
+            changes = bool(getattr(self, f"{name}_angle")) or getattr(self, f"{name}_radius") is not None
+            if changes and not begins:
                 raise ValueError(f"{name}_angle and {name}_radius need {name}_depth, where the {name} begins")
-            if getattr(self, f"{name}_depth") is not None and not (
-                getattr(self, f"{name}_angle") or getattr(self, f"{name}_radius") is not None
-            ):
+            if begins and not changes:
                 raise ValueError(f"{name}_depth needs {name}_angle or {name}_radius: without them it changes nothing")
         if self.blade_spheric_radius is not None and not abs(self.blade_spheric_radius) > 1.0:
             raise ValueError(f"blade_spheric_radius = {self.blade_spheric_radius}: must be above 1 mm or below -1 mm")
         if self.blade_spheric_radius is None and self.blade_reference_height:
             raise ValueError("blade_reference_height belongs to a circular profile: give blade_spheric_radius")
-        return self
 
 
 Derivatives = Annotated[tuple[Number, ...], Field(strict=False, max_length=6)]
@@ -113,14 +104,10 @@ class Motions(Table):
 class Machine(Table):
     """Basic settings of the cradle machine, standard Gleason meaning."""
 
-    radial_distance: Number | None = number("cutter centre to cradle axis", "mm", default=None, ge=0, lt=5000)
-    cradle_angle: Number | None = number("positive for both hands", "deg", default=None, ge=-180, le=180)
-    horizontal_distance: Number | None = number(
-        "Formate: cutter centre along the root line", "mm", default=None, gt=-5000, lt=5000
-    )
-    vertical_distance: Number | None = number(
-        "Formate: cutter centre across the root line", "mm", default=None, gt=-5000, lt=5000
-    )
+    radial_distance: Number | None = optional("cutter centre to cradle axis", "mm", ge=0, lt=5000)
+    cradle_angle: Number | None = optional("positive for both hands", "deg", ge=-180, le=180)
+    horizontal_distance: Number | None = optional("Formate: cutter centre along the root line", "mm", gt=-5000, lt=5000)
+    vertical_distance: Number | None = optional("Formate: cutter centre across the root line", "mm", gt=-5000, lt=5000)
     machine_root_angle: Number = number("machine root angle", "deg", ge=-45, le=120)
     work_offset: Number = number("blank offset", "mm", default=0.0, gt=-500, lt=500)
     sliding_base: Number = number("sliding base", "mm", default=0.0, gt=-1000, lt=1000)
@@ -129,9 +116,7 @@ class Machine(Table):
     )
     cutter_tilt: Number = number("of the cutter axis", "deg", default=0.0, ge=-90, le=90)
     cutter_swivel: Number = number("direction of the tilt", "deg", default=0.0, ge=-360, le=360)
-    ratio_of_roll: Number | None = number(
-        "work over cradle rotation; left out for Formate", "1", default=None, gt=0, lt=100
-    )
+    ratio_of_roll: Number | None = optional("work over cradle rotation; left out for Formate", "1", gt=0, lt=100)
     modified_roll_2c: Number = number("second order", "1", default=0.0, gt=-10, lt=10)
     modified_roll_6d: Number = number("third order", "1", default=0.0, gt=-100, lt=100)
     modified_roll_24e: Number = number("fourth order", "1", default=0.0, gt=-1000, lt=1000)
@@ -139,8 +124,7 @@ class Machine(Table):
     modified_roll_720g: Number = number("sixth order", "1", default=0.0, gt=-1e5, lt=1e5)
     motions: Motions = Motions()
 
-    @model_validator(mode="after")
-    def _one_way_to_say_it(self) -> Self:
+    def _check(self) -> None:
         polar = (self.radial_distance, self.cradle_angle)
         straight = (self.horizontal_distance, self.vertical_distance)
         if any(v is not None for v in straight):
@@ -163,7 +147,6 @@ class Machine(Table):
             raise ValueError("modified roll is given without ratio_of_roll: a Formate member does not roll")
         if self.ratio_of_roll is None and any(self.motions.model_dump().values()):
             raise ValueError("motions are given without ratio_of_roll: nothing moves while a Formate member is cut")
-        return self
 
     @property
     def modified_roll(self) -> tuple[float, ...]:

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, field_validator
 
 from ...geometry.cutting.named_settings import scale_of
 from ...geometry.design.pinion_method import PinionMethod
 from .blank_design_table import BlankDesignTable
 from .case_schema import ComplianceTable, ContactTable, HandOfSpiral, MisalignmentTable, PairTable, Steel, TargetTable
 from .friction_table import FrictionTable
-from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number
+from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number, optional
 
 EDGE_RADIUS = (
     "edge radius of its cutters' blades, which cuts the fillet; a quarter of the mean normal module, less where "
@@ -31,7 +31,7 @@ class DesignedGear(Table):
         "follow from the root line by the closed form",
         default="mean_point",
     )
-    tool_edge_radius: Number | None = number(EDGE_RADIUS, "mm", default=None, gt=0, lt=20)
+    tool_edge_radius: Number | None = optional(EDGE_RADIUS, "mm", gt=0, lt=20)
     material: Steel = Steel()
 
 
@@ -47,18 +47,17 @@ class LimitsTable(Table):
         ge=0,
         le=60,
     )
-    sliding_base: Number | None = number(
-        "with tilt: largest sliding base; half the cutter radius if left out", "mm", default=None, gt=0, lt=1000
+    sliding_base: Number | None = optional(
+        "with tilt: largest sliding base; half the cutter radius if left out", "mm", gt=0, lt=1000
     )
     modified_roll_2c: Number = number("largest second-order modified roll, 2C", "1", default=0.5, ge=0, lt=10)
     modified_roll_6d: Number = number("largest third-order modified roll, 6D", "1", default=1.0, ge=0, lt=100)
     modified_roll_24e: Number = number("largest fourth-order modified roll, 24E", "1", default=0.0, ge=0, lt=1000)
     modified_roll_120f: Number = number("largest fifth-order modified roll, 120F", "1", default=0.0, ge=0, lt=1e4)
-    helical_motion: Number | None = number(
+    helical_motion: Number | None = optional(
         "completing: largest first derivative of the sliding base by the cradle rotation; half the cutter radius if "
         "left out",
         "mm/rad",
-        default=None,
         ge=0,
         lt=1000,
     )
@@ -72,14 +71,12 @@ class LimitsTable(Table):
     smallest_blade_pressure_angle: Number = number("smallest blade angle", "deg", default=5.0, ge=0, lt=45)
     largest_blade_pressure_angle: Number = number("largest blade angle", "deg", default=40.0, gt=0, lt=60)
 
-    @model_validator(mode="after")
-    def _room_for_the_blade_angle(self) -> Self:
+    def _check(self) -> None:
         low, high = self.smallest_blade_pressure_angle, self.largest_blade_pressure_angle
         if not low < high:
             raise ValueError(
                 f"smallest_blade_pressure_angle = {low}: must be below largest_blade_pressure_angle = {high}"
             )
-        return self
 
 
 class DesignedPinion(Table):
@@ -87,7 +84,7 @@ class DesignedPinion(Table):
 
     number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
     hand_of_spiral: HandOfSpiral
-    tool_edge_radius: Number | None = number(EDGE_RADIUS, "mm", default=None, gt=0, lt=20)
+    tool_edge_radius: Number | None = optional(EDGE_RADIUS, "mm", gt=0, lt=20)
     method: PinionMethod = key(
         "how the pinion is cut, see [methods](design_file.md#methods-of-the-pinion)", default="closest_fit"
     )
@@ -110,8 +107,7 @@ class DesignedPinion(Table):
             scale_of(name)
         return names
 
-    @model_validator(mode="after")
-    def _keys_of_the_method(self) -> Self:
+    def _check(self) -> None:
         if self.method == "closest_fit":
             if self.limits != LimitsTable():
                 raise ValueError('limits belong to a method of the shop: give method = "modified_roll" or another')
@@ -120,7 +116,6 @@ class DesignedPinion(Table):
                 f'method = "{self.method}": has settings and root line of its own; free_settings and follow_root = '
                 'false belong to method = "closest_fit"'
             )
-        return self
 
 
 class CutterStepsTable(Table):

@@ -13,7 +13,7 @@ from ...core.checks import is_number
 from ...core.errors import InputError, printable, shortened
 from ...core.regular_file import leads_outside
 from ..mistakes import written
-from .schema_table import Number, Table, key, number
+from .schema_table import Number, Table, key, number, optional
 
 if TYPE_CHECKING:
     from ...friction import FrictionModel, Operation
@@ -94,8 +94,8 @@ class FrictionTable(Table):
     out_of_range: Literal["error", "clamp"] = key(
         "temperature without oil data: an error, or the end of the data with a flag", default="error"
     )
-    bulk_temperature: Number | None = number(
-        "of the teeth; that of the oil if left out", "degC", allowed="> -273.15, ≤ 1000", default=None
+    bulk_temperature: Number | None = optional(
+        "of the teeth; that of the oil if left out", "degC", allowed="> -273.15, ≤ 1000"
     )
     tooth_conductivity: ByMember = number(
         "thermal; in a list of pinion and gear", "W/(m K)", allowed="one or two, 0.01 to 1e4", default=46.0

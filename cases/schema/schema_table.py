@@ -8,7 +8,7 @@ from functools import cache
 from types import UnionType
 from typing import TYPE_CHECKING, Annotated, Any, Self, Union, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
 from ...core.errors import InputError
@@ -39,6 +39,14 @@ class Table(BaseModel, metaclass=_Checked):
     """A table of a case file: frozen, no unknown keys, no NaN, no text or truth value for a number."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+
+    @model_validator(mode="after")
+    def _checked(self) -> Self:
+        self._check()
+        return self
+
+    def _check(self) -> None:
+        """Refuse values that do not go together by a ``ValueError``."""
 
     def with_tables(self, **tables: Mapping[str, Any]) -> Self:
         """A copy with other values, unchecked, for some keys of the tables in it."""
@@ -84,6 +92,11 @@ def key(description: str, *, allowed: str = "", unit: str = "", **options: Any) 
 def number(description: str, unit: str, **options: Any) -> Any:
     """A key that holds numbers: its meaning, its unit and its limits."""
     return key(f"{description} [{unit}]", unit=unit, **options)
+
+
+def optional(description: str, unit: str, **options: Any) -> Any:
+    """A number that may be left out, and is ``None`` then."""
+    return number(description, unit, default=None, **options)
 
 
 def extra_of(field: FieldInfo, name: str) -> str:

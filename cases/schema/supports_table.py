@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
 from ...core.checks import is_number
 from ..mistakes import written
 from .load_case_table import NAME_ALLOWED, Name
-from .schema_table import Description, InputFile, Number, Table, Title, key, number
+from .schema_table import Description, InputFile, Number, Table, Title, key, number, optional
 
 STIFFNESS_LIMIT = 1e9  # of a bearing [N/mm]
 TILTING_STIFFNESS_LIMIT = 1e13  # of a bearing [N mm/rad]
@@ -87,11 +87,11 @@ class ShaftTable(Table):
     """The shaft of a member. Places are on the member's axis, from its crossing point, positive towards the heel."""
 
     sections: Annotated[tuple[ShaftSectionTable, ...], Field(strict=False, min_length=1, max_length=200)]
-    seat: Number | None = number(
-        "where the member is fixed; the middle of the face if left out", "mm", default=None, gt=-5000, lt=5000
+    seat: Number | None = optional(
+        "where the member is fixed; the middle of the face if left out", "mm", gt=-5000, lt=5000
     )
-    torque_position: Number | None = number(
-        "where the torque enters, for `wind_up`; pinion only", "mm", default=None, gt=-5000, lt=5000
+    torque_position: Number | None = optional(
+        "where the torque enters, for `wind_up`; pinion only", "mm", gt=-5000, lt=5000
     )
     elastic_modulus: Number = number("Young's modulus", "MPa", default=206000.0, gt=500, lt=1e6)
     poisson_ratio: Number = number("Poisson's ratio", "1", default=0.3, ge=0, lt=0.5)
@@ -104,27 +104,20 @@ class BearingTable(Table):
     position: Number = number(
         "on the member's axis; of a taper roller bearing its load centre", "mm", gt=-5000, lt=5000
     )
-    radial_stiffness: BearingStiffness | None = number(
-        "number, or pairs of load [N] and load over displacement", "N/mm", allowed=STIFFNESS, default=None
+    radial_stiffness: BearingStiffness | None = optional(
+        "number, or pairs of load [N] and load over displacement", "N/mm", allowed=STIFFNESS
     )
-    axial_stiffness: BearingStiffness | None = number(
-        "likewise, in both senses; none if left out", "N/mm", allowed=STIFFNESS, default=None
+    axial_stiffness: BearingStiffness | None = optional(
+        "likewise, in both senses; none if left out", "N/mm", allowed=STIFFNESS
     )
-    tilting_stiffness: BearingStiffness | None = number(
-        "likewise, of moments [N mm]; none if left out", "N mm/rad", allowed=TILTING_STIFFNESS, default=None
+    tilting_stiffness: BearingStiffness | None = optional(
+        "likewise, of moments [N mm]; none if left out", "N mm/rad", allowed=TILTING_STIFFNESS
     )
-    radial_displacement: Curve | None = number(
-        "instead: pairs of load [N] and displacement", "mm", allowed=PAIRS, default=None
-    )
-    axial_displacement: Curve | None = number(
-        "instead: pairs of load [N] and displacement", "mm", allowed=PAIRS, default=None
-    )
-    tilting_displacement: Curve | None = number(
-        "instead: pairs of moment [N mm] and angle", "rad", allowed=PAIRS, default=None
-    )
+    radial_displacement: Curve | None = optional("instead: pairs of load [N] and displacement", "mm", allowed=PAIRS)
+    axial_displacement: Curve | None = optional("instead: pairs of load [N] and displacement", "mm", allowed=PAIRS)
+    tilting_displacement: Curve | None = optional("instead: pairs of moment [N mm] and angle", "rad", allowed=PAIRS)
 
-    @model_validator(mode="after")
-    def _one_of_each(self) -> Self:
+    def _check(self) -> None:
         for name in ("radial", "axial", "tilting"):
             stiffness, curve = getattr(self, f"{name}_stiffness"), getattr(self, f"{name}_displacement")
             if stiffness is not None and curve is not None:
@@ -136,30 +129,25 @@ class BearingTable(Table):
                     raise ValueError(f"{name}_stiffness = {value:g}: must be from 0 to {limit:g} [{unit}]")
         if all(getattr(self, key) is None for key in type(self).model_fields if key not in ("name", "position")):
             raise ValueError(f"bearing {self.name!r} has no stiffness: give radial_stiffness, axial_stiffness or both")
-        return self
 
 
 class MemberSupportTable(Table):
     """The support of a member: a matrix at a reference point, or a shaft on bearings."""
 
-    reference: Point | None = number(
-        "x, y, z in the pair's frame, where a matrix holds", "mm", allowed=PLACE, default=None
-    )
-    stiffness: _matrix(6) | None = number(  # type: ignore[valid-type]
+    reference: Point | None = optional("x, y, z in the pair's frame, where a matrix holds", "mm", allowed=PLACE)
+    stiffness: _matrix(6) | None = optional(  # type: ignore[valid-type]
         "6 rows of 6: force [N] and moment [N mm] for translation [mm] and rotation [rad] of the reference, "
         "each x, y, z",
         "N/mm, N, N mm/rad",
         allowed=MATRIX,
-        default=None,
     )
-    compliance: _matrix(6) | None = number(  # type: ignore[valid-type]
-        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", allowed=MATRIX, default=None
+    compliance: _matrix(6) | None = optional(  # type: ignore[valid-type]
+        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", allowed=MATRIX
     )
     shaft: ShaftTable | None = None
     bearings: Annotated[tuple[BearingTable, ...], Field(strict=False, max_length=20)] = ()
 
-    @model_validator(mode="after")
-    def _one_kind(self) -> Self:
+    def _check(self) -> None:
         _named_once(self.bearings)
         given = [key for key in ("stiffness", "compliance", "shaft") if getattr(self, key) is not None]
         if len(given) != 1:
@@ -173,7 +161,6 @@ class MemberSupportTable(Table):
             raise ValueError("reference goes with a matrix: leave it out, that of a shaft is the middle of the face")
         if self.shaft is not None and not self.bearings:
             raise ValueError("bearings are missing: give the bearings of the shaft")
-        return self
 
 
 class HousingTable(Table):
@@ -181,21 +168,16 @@ class HousingTable(Table):
 
     pinion_reference: Point = number("x, y, z in the pair's frame", "mm", allowed=PLACE)
     gear_reference: Point = number("x, y, z in the pair's frame", "mm", allowed=PLACE)
-    stiffness: _matrix(12) | None = number(  # type: ignore[valid-type]
-        "12 rows of 12: those of a member for the pinion, then the gear, coupled",
-        "N/mm, N, N mm/rad",
-        allowed=MATRIX,
-        default=None,
+    stiffness: _matrix(12) | None = optional(  # type: ignore[valid-type]
+        "12 rows of 12: those of a member for the pinion, then the gear, coupled", "N/mm, N, N mm/rad", allowed=MATRIX
     )
-    compliance: _matrix(12) | None = number(  # type: ignore[valid-type]
-        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", allowed=MATRIX, default=None
+    compliance: _matrix(12) | None = optional(  # type: ignore[valid-type]
+        "instead: the inverse", "mm/N, 1/N, rad/(N mm)", allowed=MATRIX
     )
 
-    @model_validator(mode="after")
-    def _one_matrix(self) -> Self:
+    def _check(self) -> None:
         if (self.stiffness is None) == (self.compliance is None):
             raise ValueError("stiffness, compliance: give one of them")
-        return self
 
 
 class SupportsTable(Table):
@@ -222,8 +204,7 @@ class SupportsTable(Table):
     gear: MemberSupportTable | None = None
     housing: HousingTable | None = None
 
-    @model_validator(mode="after")
-    def _members_or_housing(self) -> Self:
+    def _check(self) -> None:
         members = [name for name in ("pinion", "gear") if getattr(self, name) is not None]
         if self.housing is not None and members:
             raise ValueError(
@@ -241,7 +222,6 @@ class SupportsTable(Table):
             raise ValueError("wind_up = true: must go with torque_position in [supports.pinion.shaft]")
         if self.wind_up and self.pinion is None and self.housing is None:
             raise ValueError("wind_up = true: must go with [supports.pinion] or [supports.housing]")
-        return self
 
 
 class SupportFile(InputFile):

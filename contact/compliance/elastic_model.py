@@ -18,9 +18,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Integers, record
 from ...core.attributes import ordered
-from ...core.checks import check_fields, frozen, frozen_arrays, instances, positive, two_whole
+from ...core.checks import check_fields, frozen, instances, positive, two_whole
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
 from ..problem.modal_basis import ModalBasis, SharedModes, basis_of_blocks, compressed_block
@@ -36,15 +36,14 @@ DROPPED_SHARE = 1e-8  # of the greatest eigenvalue: shared modes below, which ch
 EIGENVALUE_RATIO_LIMIT = 1e-12  # of the greatest: what is below is rounding
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class BodyCoupling:
     """Compliance between tooth pairs through the bodies of the members."""
 
     members: tuple[tuple[Array, int], ...]  # modes by distance (N, q, q) [mm/N], pitches from pair to pair
     known: dict[tuple[int, ...], Array] = field(default_factory=dict, repr=False, compare=False)
 
-    def compliance(self, pairs: Sequence[int] | NDArray[np.int64]) -> Array:
+    def compliance(self, pairs: Sequence[int] | Integers) -> Array:
         """Compliance (p, q, p, q) [mm/N] between the modes of tooth pairs (p), those of all members one by one."""
         numbers = np.asarray(pairs)
         distance = numbers[:, None] - numbers
@@ -58,7 +57,7 @@ class BodyCoupling:
         return result
 
     def shared_modes(
-        self, pairs: Sequence[int] | NDArray[np.int64], segments: Sequence[NDArray[np.intp]], loads: Array
+        self, pairs: Sequence[int] | Integers, segments: Sequence[NDArray[np.intp]], loads: Array
     ) -> SharedModes:
         """Modes of the bodies that tooth pairs (p) share, with unit loads (n, q) on their segments in these modes."""
         root = self._root(tuple(int(pair) for pair in pairs))
@@ -164,13 +163,7 @@ def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
     """Shells of pinion and gear."""
     materials = (model.pinion, model.gear)
     pinion, gear = (
-        Shell(
-            tooth_dimensions(teeth, member, model.plate),
-            material,
-            model.modes,
-            model.shear_factor,
-            model.foundation,
-        )
+        Shell(tooth_dimensions(teeth, member, model.plate), material, model.modes, model.shear_factor, model.foundation)
         for member, material in zip(MEMBERS, materials, strict=True)
     )
     return pinion, gear
@@ -235,10 +228,7 @@ def member_points(splines: FlankSplines, member: str, points: Array) -> Array:
 
 
 def unit_loads(
-    elastic: tuple[ElasticTooth, ElasticTooth],
-    splines: FlankSplines,
-    points: tuple[Array, Array],
-    weights: Array,
+    elastic: tuple[ElasticTooth, ElasticTooth], splines: FlankSplines, points: tuple[Array, Array], weights: Array
 ) -> tuple[list[Array], Array]:
     """Unit loads on segments: Y (n, k) of both members, and (n, q) in the modes of both bodies, the pinion's first.
 
@@ -268,8 +258,7 @@ def body_coupling(elastic: tuple[ElasticTooth, ElasticTooth]) -> BodyCoupling | 
     return BodyCoupling(tuple(known)) if known else None
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Loads:
     """Unit loads on segments (n).
 
@@ -280,8 +269,7 @@ class Loads:
     on_bodies: Array
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class UnitLoads:
     """Unit loads on both teeth, and the bodies through which tooth pairs are coupled."""
 
@@ -295,7 +283,7 @@ class UnitLoads:
         """The same contact lines with pieces of edges."""
         return replace(self, on_edges=on_edges)
 
-    def bending(self, pairs: NDArray[np.int64], rows: NDArray[np.int64]) -> ModalBasis:
+    def bending(self, pairs: Integers, rows: Integers) -> ModalBasis:
         """Bending compliance of the segments (s) of a mesh position; ``rows`` number those on lines before edges."""
         numbers = np.unique(pairs)
         blocks = [np.flatnonzero(pairs == pair) for pair in numbers]
@@ -304,7 +292,7 @@ class UnitLoads:
             shared = self.coupling.shared_modes(numbers, blocks, self._rows(rows, lambda loads: (loads.on_bodies,)))
         return basis_of_blocks(pairs.size, blocks, [self._compressed(rows[block]) for block in blocks], shared)
 
-    def _compressed(self, rows: NDArray[np.int64]) -> Array:
+    def _compressed(self, rows: Integers) -> Array:
         """Modes of one tooth pair with the segments of given numbers (s)."""
         key = rows.tobytes()
         if key in self.known:
@@ -314,7 +302,7 @@ class UnitLoads:
             self.known[key] = compressed
         return compressed
 
-    def _rows(self, rows: NDArray[np.int64], parts: Callable[[Loads], tuple[Array, ...]]) -> Array:
+    def _rows(self, rows: Integers, parts: Callable[[Loads], tuple[Array, ...]]) -> Array:
         """Rows of given numbers (s), those on lines first, of parts of the loads side by side."""
         lines = parts(self.on_lines)
         count = int(np.count_nonzero(rows < len(lines[0])))

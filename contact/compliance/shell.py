@@ -32,7 +32,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import frozen_arrays, instance, positive, two_whole
+from ...core.arrays import Bools, record
+from ...core.checks import instance, positive, two_whole
 from ...core.errors import InputError
 from .elastic_foundation import ElasticFoundation
 from .material import Material
@@ -79,12 +80,7 @@ def legendre(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
 
 
 def rooted_polynomials(
-    relative: FloatArray,
-    count: int,
-    root_power: int,
-    *,
-    order: int = 0,
-    family: PolynomialFamily = legendre,
+    relative: FloatArray, count: int, root_power: int, *, order: int = 0, family: PolynomialFamily = legendre
 ) -> FloatArray:
     """Polynomials times a power of the relative height, and their derivatives (order + 1, ..., count).
 
@@ -234,8 +230,7 @@ def root_shapes(kinematics: Kinematics, functions: TrialFunctions) -> FloatArray
     return shapes
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Shell:
     """Bending, shear and membrane compliance of one tooth by the Rayleigh-Ritz method (Kolivand 2009, Eq. 3.1-3.11).
 
@@ -354,7 +349,7 @@ class Shell:
         return np.ascontiguousarray(np.tril(inverse) * self._scale[self._order[idle:]]).T
 
     @property
-    def _feels_mid_surface_loads(self) -> NDArray[np.bool_]:
+    def _feels_mid_surface_loads(self) -> Bools:
         """Which degrees of freedom a load on the mid-surface does work on, (n_dof)."""
         fields = {term.field for term in self.kinematics.displacement_terms if term.coefficient != "offset"}
         felt = np.isin(np.arange(len(self.functions.root_powers)), list(fields))

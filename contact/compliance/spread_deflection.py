@@ -52,12 +52,10 @@ distances level off.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, record
 from ..lines.flank_splines import FlankSplines
 from .material import Material
 
@@ -69,8 +67,7 @@ NODES_BEYOND = 2.5  # mean standard deviations beyond the flank
 SAMPLES = np.linspace(0.0, 1.0, 9)  # of the flank in either direction, for means and limits
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class SpreadDeflection:
     """Spread deflection of one member."""
 

@@ -49,13 +49,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import frozen_arrays, number, positive, shown
+from ...core.arrays import record
+from ...core.checks import number, positive, shown
 from ...core.errors import InputError
 from ...core.kernels import kernel
 from .material import Material
@@ -88,8 +89,7 @@ _OF_SEGMENTS = (
 )
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class WeberLineContact:
     """Local compliance of line contact segments, one independent spring each; all arrays broadcast to one shape.
 

@@ -9,9 +9,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Integers
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
 from ..compliance.finite_elements.flank_compliance import FlankCompliance
@@ -63,7 +62,7 @@ class BendingSlopes:
         both = [np.concatenate(parts, axis=-1) for parts in zip(*beside, strict=True)]
         return cls(on_lines, tuple(members), weights, (both[0], both[1]))
 
-    def __call__(self, pair: NDArray[np.int64], chosen: NDArray[np.int64], force: Array) -> Array:
+    def __call__(self, pair: Integers, chosen: Integers, force: Array) -> Array:
         """Changes of deflections (s, j) [mm] of the segments ``chosen`` by the settings, under held forces (s) [N]."""
         result = np.zeros((force.size, self.members[0].motion.shape[-1]))
         coupling, pairs = self.on_lines.teeth.coupling, np.unique(pair)

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import xarray as xr
 from numpy.lib.stride_tricks import sliding_window_view
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, record
 from ..lines.monotone_cubic import MonotoneCubic
 from .tooth_passage import ToothPassage, tooth_passage
 
 FINE_STEP_COUNT = 32  # between two mesh positions
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class CarryingError:
     """Transmission error of a tooth pair over its passage through the mesh, and the least of all pairs."""
 

@@ -19,15 +19,14 @@ which follow the segments' forces and the shares of these that fall to each node
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ...core.arrays import Array
+from ...core.arrays import Array, record
 from ...core.attributes import labelled, ordered
-from ...core.checks import frozen_arrays
 from ...core.errors import InputError
 from ...geometry.pair.field_slopes import field_slopes
 from ...geometry.pair.gear_pair import MEMBERS
@@ -59,8 +58,7 @@ OVERHANG_STEP = 1e-7  # [mm], of the distance beyond an edge in such a differenc
 SIZES = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang")
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class CaseSlopes:
     """Derivatives of one case of n segments by settings (j), of which the last is the torque at the pinion.
 
@@ -319,8 +317,7 @@ def ease_off_slopes(cycle: MeshCycle, slopes: Mapping[str, Array]) -> dict[str, 
     return {name: ((*_GRID, "setting"), np.pad(values, ((0, 0), (0, 0), (0, 1)))) for name, values in fields.items()}
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class CycleSlopes:
     """Derivatives of a mesh cycle by settings, and last by the torque; ``of`` makes them."""
 

@@ -7,20 +7,17 @@ There the flank is a quadrangle and its grid is bilinear, so that its corners de
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools, Integers, record
 from ...core.attributes import ordered
-from ...core.checks import frozen_arrays
 from ...geometry.tooth.tooth_flanks import MemberName
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ProjectionPlane:
     """Bilinear map from the fractions t and h of a flank to its projection plane [mm]."""
 
@@ -57,8 +54,7 @@ class ProjectionPlane:
         return np.asarray(np.tensordot(self.coefficients, np.stack([np.ones_like(t), t, h, t * h]), axes=1))
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class FlankRegion:
     """Part of a flank, such as a contact pattern."""
 
@@ -81,7 +77,7 @@ class FlankRegion:
 
 
 def region_below(
-    points: Array, values: Array, triangles: NDArray[np.int64], level: float, plane: ProjectionPlane
+    points: Array, values: Array, triangles: Integers, level: float, plane: ProjectionPlane
 ) -> FlankRegion:
     """Region of a flank on which values (n) at points (2, n) lie below a level; they are linear on triangles (m, 3)."""
     reached_ones = (values < level)[triangles].any(axis=1)  # few of a fine grid
@@ -108,7 +104,7 @@ def region_below(
     return FlankRegion(np.mean(parts, axis=2) @ area / total, extent, total)
 
 
-def grid_triangles(shape: tuple[int, ...]) -> NDArray[np.int64]:
+def grid_triangles(shape: tuple[int, ...]) -> Integers:
     """Corners (m, 3) of the triangles of a grid of points, two a cell, counted along the last axis first."""
     number = np.arange(shape[0] * shape[1]).reshape(shape)
     low, right, far, up = (n.ravel() for n in (number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]))
@@ -121,7 +117,7 @@ def _areas(corners: Array) -> Array:
     return np.asarray(np.abs(0.5 * (first[0] * second[1] - first[1] * second[0])))
 
 
-def flank_share(inside: NDArray[np.bool_]) -> float:
+def flank_share(inside: Bools) -> float:
     """Share of a flank that has a property at the nodes of its grid (m, n), those at its border counting half."""
     weights = [np.ones(size) for size in inside.shape]
     for weight in weights:

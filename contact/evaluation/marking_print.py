@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays, number
+from ...core.arrays import Array, Bools, Integers, record
+from ...core.checks import number
 from ...core.errors import InputError
 from ...core.kernels import kernel
 from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS
@@ -19,6 +18,10 @@ from ..lines.contact_lines import BOUNDARY_FIELDS, curvature_and_skew, distance_
 from ..lines.flank_splines import FlankSplines
 from .carrying_error import CarryingError
 from .flank_region import FlankRegion, ProjectionPlane, grid_triangles, region_below
+
+if TYPE_CHECKING:
+    from ..mesh_cycle import MeshCycle
+
 
 least_beside = kernel(".least_gap_kernel", __package__).least_beside
 PRINT_GRID = (241, 121)  # points along the face and the profile
@@ -75,7 +78,7 @@ class _Gaps:
         gap = arm * (value["ease_off_angle"] - error.least(value["roll_angle"]))
         return cls(error, value, curvature, skew, gap, reach, arm * (error.steepest * reach))
 
-    def crossing(self, thickness: float, among: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def crossing(self, thickness: float, among: Bools) -> Bools:
         """Which of some points (n) may have a gap below a thickness [um], though not at their roll angle."""
         candidates = among & (self.at_roll_angle >= thickness)
         index = np.flatnonzero(candidates)
@@ -85,7 +88,7 @@ class _Gaps:
             candidates[index] = 1e3 * arm * (ease_off - greatest) < thickness
         return candidates
 
-    def search(self, wanted: NDArray[np.bool_], gap: Array) -> None:
+    def search(self, wanted: Bools, gap: Array) -> None:
         """Put the least gaps [um] of the wanted points (n) among gaps (n)."""
         index, error = np.flatnonzero(wanted), self.error
         ease_off, roll, arm = (self.value[name][index] for name in ("ease_off_angle", "roll_angle", "lever_arm"))
@@ -99,8 +102,7 @@ class _Gaps:
         gap[index] = 1e3 * arm * least
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class MarkingPrint:
     """Print of a marking compound on the gear flank."""
 
@@ -144,7 +146,7 @@ class MarkingPrint:
 
 
 @lru_cache(maxsize=2)
-def _triangles(shape: tuple[int, int]) -> NDArray[np.int64]:
+def _triangles(shape: tuple[int, int]) -> Integers:
     """Triangles of a grid, made once: read only."""
     triangles = grid_triangles(shape)
     triangles.setflags(write=False)
@@ -156,7 +158,7 @@ def _corners(values: Array) -> Array:
     return np.stack([values[:-1, :-1], values[1:, :-1], values[1:, 1:], values[:-1, 1:]])
 
 
-def _beside_border(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _beside_border(inside: Bools) -> Bools:
     """Corners (p, q) of the cells that have corners (p, q) inside and outside."""
     corners = _corners(inside)
     cut = np.any(corners, axis=0) & ~np.all(corners, axis=0)
@@ -165,3 +167,21 @@ def _beside_border(inside: NDArray[np.bool_]) -> NDArray[np.bool_]:
         for j in (slice(None, -1), slice(1, None)):
             border[i, j] |= cut
     return border
+
+
+@dataclass(frozen=True)
+class UnloadedPattern:
+    """Marking print of a pair on the gear flank."""
+
+    printed: MarkingPrint
+    region: FlankRegion
+    peak_to_peak: float
+
+    @classmethod
+    def of(cls, cycle: MeshCycle, thickness: float, shape: tuple[int, int] = PRINT_GRID) -> UnloadedPattern:
+        """Pattern of a compound of a thickness [um]; a ``GeometryError`` refuses a pair that never nears contact."""
+        unloaded = cycle.unloaded(separation=thickness)
+        error = CarryingError.of(unloaded, cycle.pinion_pitch)
+        printed = MarkingPrint.of(cycle.fields, error, thickness, shape)
+        region = printed.region(ProjectionPlane.of(cycle.geometry.flanks))
+        return cls(printed, region, float(unloaded.attrs["peak_to_peak"]))

@@ -16,9 +16,8 @@ from itertools import islice
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools, Integers
 from ...core.attributes import StoredStatus, ordered
 from ..lines.flank_splines import FlankSplines
 
@@ -34,7 +33,7 @@ class PressureMap:
 
     points: Array  # fractions on the gear (2, n)
     pressure: Array
-    triangles: NDArray[np.int64]
+    triangles: Integers
 
     @property
     def peak(self) -> float:
@@ -106,7 +105,7 @@ def _lines(table: Array) -> Iterator[tuple[int, int, Line]]:
         yield int(position[i]), int(tooth[i]), Line(nodes, at_nodes)
 
 
-def _goes_on(tooth: Array, length: Array) -> NDArray[np.bool_]:
+def _goes_on(tooth: Array, length: Array) -> Bools:
     """True where a segment (..., n - 1) is followed by one of the same line.
 
     The segments of a line are equally long: another length is another line, even on the same tooth.
@@ -155,7 +154,7 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
     """Triangles between the loaded parts of the contact lines (by step) of neighbouring steps."""
     points: list[Array] = []
     pressure: list[Array] = []
-    triangles: list[NDArray[np.int64]] = []
+    triangles: list[Integers] = []
     pairs: list[tuple[Line, int, Line, int]] = []
     count = 0
 
@@ -212,7 +211,7 @@ def _tip(part: Line, unloaded: list[Line], before: list[Line]) -> Line:
     return Line((point + share * (target - point))[:, None], np.zeros(1))
 
 
-def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[NDArray[np.int64]]:
+def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[Integers]:
     """Triangles between pairs of lines, given with the indices of their first points; every point is a corner."""
     if not pairs:
         return []
@@ -234,8 +233,7 @@ def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[NDArray[np.int
         np.delete(np.arange(all_.size), at) for all_, at in ((places, begin), (others, other_begin))
     )
     before = np.maximum(
-        np.searchsorted(others, places[next_one], side="left") - 1,
-        np.repeat(other_begin, [one.size - 1 for one in u]),
+        np.searchsorted(others, places[next_one], side="left") - 1, np.repeat(other_begin, [one.size - 1 for one in u])
     )
     before_other = np.searchsorted(places, others[next_other], side="right") - 1
     return [
@@ -307,7 +305,7 @@ def _line_end(points: Array, number: int, beside: list[int], splines: FlankSplin
     return nearest_border(splines, point)
 
 
-def _beside_on_line(on_line: NDArray[np.bool_], tooth: Array, length: Array) -> tuple[Array, Array]:
+def _beside_on_line(on_line: Bools, tooth: Array, length: Array) -> tuple[Array, Array]:
     """Numbers (..., n) of the segments of the same line before each segment, and after it."""
     with np.errstate(invalid="ignore"):
         same = _goes_on(tooth, length) & on_line[..., 1:] & on_line[..., :-1]
@@ -333,7 +331,7 @@ def _margins(splines: FlankSplines, point: Array) -> Array:
     return np.stack([on_both, 1.0 - on_both], axis=1).ravel()
 
 
-def at_line_end(loaded: xr.Dataset) -> NDArray[np.bool_]:
+def at_line_end(loaded: xr.Dataset) -> Bools:
     """True for segments among the outer ones of a contact line, or at the border of the gear flank."""
     pressure, tooth, length, lengthwise, profile = (
         ordered(loaded, name, *OVER) for name in ("pressure", "tooth", "length", "lengthwise", "profile")

@@ -21,9 +21,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Integers
 from ...core.errors import GeometryError
 from ...geometry.newton import cramers_rule
 from ...geometry.pair.gear_pair import MEMBERS
@@ -241,7 +240,7 @@ NAMES = ("separation_angle", "lever_arm", "curvature", "overhang", "length", *DE
 class EdgePieces:
     """Pieces of edges (n) in contact over a mesh cycle, in the order of their keys."""
 
-    keys: NDArray[np.int64]  # mesh position, tooth pair, edge and element (n, 4)
+    keys: Integers  # mesh position, tooth pair, edge and element (n, 4)
 
     @classmethod
     def of(cls, cases: Sequence[LoadedCase]) -> EdgePieces:
@@ -251,13 +250,13 @@ class EdgePieces:
             keys.append(_keys(case)[(case.segments.edge >= 0) & (case.solution.force > 0.0)])
         return cls(np.unique(np.concatenate(keys), axis=0))
 
-    def rows(self, case: LoadedCase) -> NDArray[np.int64]:
+    def rows(self, case: LoadedCase) -> Integers:
         """Numbers of a case's segments (s) among the pieces; -1 where they are none of them."""
         number = {tuple(key): row for row, key in enumerate(self.keys.tolist())}
         return np.array([number.get(tuple(key), -1) for key in _keys(case).tolist()], dtype=np.int64)
 
 
-def _keys(case: LoadedCase) -> NDArray[np.int64]:
+def _keys(case: LoadedCase) -> Integers:
     segments = case.segments
     return np.stack(
         [np.full(segments.pair.size, case.mesh_position), segments.pair, segments.edge, segments.element], axis=1
@@ -301,7 +300,7 @@ class SegmentSlopes:
         pinion, gear = (np.einsum("xngj,g->xnj", one, self.segments.on_lines.quadrature[1]) for one in self.motion)
         return pinion, gear
 
-    def rows(self, case: LoadedCase) -> NDArray[np.int64]:
+    def rows(self, case: LoadedCase) -> Integers:
         """Numbers of a case's segments (s) among these; -1 for pieces of edges that are not."""
         position = self.segments.on_lines.names["position"]
         of_pieces = self.pieces.rows(case)

@@ -6,21 +6,16 @@ that the rows of a table over (pair, mesh position) are pieces of one curve, and
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, Integers, record
 
 CYCLES = 2  # of the mesh that curves show
 STEP_POINT_COUNT = 8  # points of a curve a mesh position
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ToothPassage:
     """Values of a tooth pair from entering the mesh to leaving it, by steps of the mesh cycle."""
 
@@ -29,7 +24,7 @@ class ToothPassage:
     values: Array  # at consecutive steps (m, ...), NaN where there are none
 
     @property
-    def steps(self) -> NDArray[np.int64]:
+    def steps(self) -> Integers:
         """Steps (m) of the values."""
         return np.arange(self.first, self.first + self.values.shape[0])
 
@@ -41,7 +36,7 @@ class ToothPassage:
         ends = [self._at_index(low + side) for side in (0, 1)]
         return np.where(weight == 0.0, ends[0], (1.0 - weight) * ends[0] + weight * ends[1])
 
-    def _at_index(self, index: NDArray[np.int64]) -> Array:
+    def _at_index(self, index: Integers) -> Array:
         count = self.values.shape[0]
         inside = np.reshape((index >= 0) & (index < count), (-1, *(1,) * (self.values.ndim - 1)))
         return np.where(inside, self.values[np.clip(index, 0, count - 1)], np.nan)

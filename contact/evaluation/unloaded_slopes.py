@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools
 from ...geometry.flanks.flank import on_parts, pick
 from ...geometry.newton import cramers_rule
 from ...geometry.pair.field_slopes import gear_gap_slopes, held_point_slopes, pinion_gap_slopes
@@ -125,7 +125,7 @@ class _TouchingMotion:
         return np.stack([lengthwise, -lengthwise, profile, -profile])
 
 
-def _bound_forces(slope: Array, margins: Array, margin_slopes: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _bound_forces(slope: Array, margins: Array, margin_slopes: Array) -> tuple[Array, Bools]:
     """Multipliers of the bounds (b, n) that hold smallest gaps, and True where these are toe, heel, root or tip.
 
     The gap's slope (2, n) is the sum of the slopes of the margins (b, 2, n) times the multipliers.

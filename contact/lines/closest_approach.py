@@ -8,13 +8,9 @@ point p + p' (q - Q) + p'' (q - Q)^2 / 2, with the derivatives that ``rolling.dr
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, Bools, record
 from ...geometry.newton import cramers_rule, determinant
 from .contact_lines import curvature_and_skew
 from .flank_splines import BENDS, SLOPES, VALUE_AND_SLOPES, FlankSplines
@@ -36,13 +32,12 @@ def gap_beside(ease_off_angle: Array, curvature: Array, skew: Array, left: Array
     return np.asarray(ease_off_angle + left**2 * (0.5 * curvature + left * skew / 6.0))
 
 
-def still_opens(curvature: Array, skew: Array, left: Array) -> NDArray[np.bool_]:
+def still_opens(curvature: Array, skew: Array, left: Array) -> Bools:
     """True where the gap's expansion is valid over the rotation left [rad]: it lies nowhere below the ease-off."""
     return np.asarray(curvature + np.minimum(skew * left, 0.0) > CURVATURE_SHARE_LIMIT * curvature)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class AcrossLine:
     """Gap and roll angle across the contact curve through each of the points (...)."""
 
@@ -67,7 +62,7 @@ class AcrossLine:
         by_roll = self.ease_off_slope - self.separation_curvature * left - 0.5 * self.separation_skew * left**2
         return np.asarray(by_roll * self.slope)
 
-    def still_opens(self, left: Array) -> NDArray[np.bool_]:
+    def still_opens(self, left: Array) -> Bools:
         """True where that expansion is valid over the rotation left (...) [rad] to their conjugate contact."""
         return still_opens(self.separation_curvature, self.separation_skew, left)
 
@@ -137,8 +132,7 @@ def across_line(splines: FlankSplines, points: Array) -> AcrossLine:
     )
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ClosestApproach:
     """Closest approach of the flanks next to points (...) of contact curves."""
 
@@ -146,7 +140,7 @@ class ClosestApproach:
     shift: Array  # from the point, in fractions (2, ...)
     lever_arm: Array
     curvature: Array  # across the curve [1/mm]; zero where the gap does not open
-    expanded: NDArray[np.bool_]  # by the expansion: opens to both sides, near, smaller; else searched for
+    expanded: Bools  # by the expansion: opens to both sides, near, smaller; else searched for
 
 
 def closest_approach(splines: FlankSplines, points: Array) -> ClosestApproach:
@@ -183,7 +177,7 @@ def one_step(splines: FlankSplines, points: Array) -> ClosestApproach:
     return ClosestApproach(gap, closest - points, expansion.lever_arm, expansion.curvature, opens & near & holds & kept)
 
 
-def _gap_at(splines: FlankSplines, points: Array, rotation: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _gap_at(splines: FlankSplines, points: Array, rotation: Array) -> tuple[Array, Bools]:
     """Gap (...) [rad] at points (2, ...) of the flank at pinion rotations (...), and where its expansion holds."""
     there = splines.evaluate(["roll_angle", "ease_off_angle", *SEPARATION_FIELDS], points)
     curvature, skew = curvature_and_skew(*(there[name] for name in SEPARATION_FIELDS))
@@ -218,8 +212,7 @@ PINION_FRACTIONS = ("pinion_lengthwise", "pinion_profile")
 PASSING_FIELDS = tuple(f"{name}_{order}" for order in ("rate", "acceleration") for name in PINION_FRACTIONS)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class OppositePoints:
     """Fractions on the pinion flank opposite points (n) of the gear."""
 

@@ -9,16 +9,13 @@ in the ease-off's slope and makes the method agree with conventional contact ana
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import contourpy
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools, Integers, record
 from ...core.attributes import ordered
-from ...core.checks import frozen_arrays
 from .flank_splines import VALUE_AND_SLOPES, FlankSplines, fit
 
 BOUNDARY_FIELDS = ("pinion_lengthwise", "pinion_profile", "blade_distance")  # end the common flank
@@ -61,12 +58,11 @@ def curvature_and_skew(bend: Array, slope: Array) -> tuple[Array, Array]:
     return SEPARATION_CURVATURE_SCALE * share, SEPARATION_CURVATURE_SCALE * (1.0 + share**2) * slope
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ContactLines:
     """Clipped contact curves of one tooth pair at many pinion rotations."""
 
-    level: NDArray[np.int64]
+    level: Integers
     points: Array  # (2, m, POINTS_PER_LINE), evenly spaced in length
     length: Array
 
@@ -77,7 +73,7 @@ def boundary_distance(splines: FlankSplines, points: Array) -> Array:
     return distance_inside(values, splines.in_hole(points))
 
 
-def distance_inside(values: Mapping[str, Array], in_hole: NDArray[np.bool_]) -> Array:
+def distance_inside(values: Mapping[str, Array], in_hole: Bools) -> Array:
     """The same (...) from the ``BOUNDARY_FIELDS`` at points of the flank, and whether they lie in a hole of it."""
     t, h, blade = (values[name] for name in BOUNDARY_FIELDS)
     inside = np.minimum(np.minimum(t, 1.0 - t), np.minimum(h, 1.0 - h))
@@ -88,7 +84,7 @@ def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 
     """Move points (2, ...) along the gradient of the roll angle onto their level, ``beyond`` the flank at most."""
     shape, moved = np.shape(points), np.reshape(points, (2, -1))
     target = np.broadcast_to(level, shape[1:]).ravel()
-    active: NDArray[np.int64] | slice = slice(None)
+    active: Integers | slice = slice(None)
     for _ in range(steps):
         active_points = moved[:, active]
         value, *by_fraction = (
@@ -175,7 +171,7 @@ def trace(splines: FlankSplines, levels: Array) -> ContactLines:
     return _clip(splines, np.asarray(levels), np.array(index)[kept], points[:, kept])
 
 
-def _clip(splines: FlankSplines, levels: Array, index: NDArray[np.int64], points: Array) -> ContactLines:
+def _clip(splines: FlankSplines, levels: Array, index: Integers, points: Array) -> ContactLines:
     """Keep the parts of the curves (2, m, POINTS_PER_LINE) inside the boundary, with exact ends."""
     raw_ends = points[:, :, [0, -1]]
     points = onto_level(splines, points, levels[index][:, None])
@@ -217,16 +213,14 @@ def _onto_border(splines: FlankSplines, raw: Array, ends: Array, level: Array) -
     return np.where(np.any(on_border, axis=0) & close, moved, ends)
 
 
-def between_points(points: Array, rows: NDArray[np.int64], parameter: Array) -> Array:
+def between_points(points: Array, rows: Integers, parameter: Array) -> Array:
     """Points (..., m, k) at fractional indices (m, k), linearly, along the polylines ``rows`` of (..., n, p)."""
     low = np.clip(parameter.astype(int), 0, points.shape[-1] - 2)
     weight = parameter - low
     return np.asarray(points[..., rows[:, None], low] * (1 - weight) + points[..., rows[:, None], low + 1] * weight)
 
 
-def _crossing(
-    splines: FlankSplines, level: Array, points: Array, rows: NDArray[np.int64], pairs: NDArray[np.int64]
-) -> Array:
+def _crossing(splines: FlankSplines, level: Array, points: Array, rows: Integers, pairs: Integers) -> Array:
     """Fractional index (m) where each curve crosses the boundary between an inside and an outside point."""
     inside, outside = pairs[:, 0].astype(float), pairs[:, 1].astype(float)
     cut = inside != outside

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, Bools, record
 from ...core.errors import InputError
 from .tensor_spline import TensorSpline
 
@@ -19,8 +17,7 @@ VALUE_AND_SLOPES = [(0, 0), *SLOPES]
 BENDS = [(2, 0), (1, 1), (0, 2)]
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class FlankSplines:
     """Splines of named fields on the unit square (lengthwise, profile)."""
 
@@ -71,7 +68,7 @@ class FlankSplines:
             )
         return self._parts[names]
 
-    def in_hole(self, points: Array) -> NDArray[np.bool_]:
+    def in_hole(self, points: Array) -> Bools:
         """True where points (2, ...) lie in a cell with a node that has no value."""
         if not self.holes.any():
             return np.zeros(np.shape(points)[1:], dtype=bool)

@@ -10,9 +10,8 @@ its closest approach lies on both flanks, so that edges begin exactly where line
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools
 from .closest_approach import EXTRAPOLATION_LIMIT, SEARCH_RADIUS_LIMIT, AcrossLine, OppositePoints, across_line
 from .contact_lines import (
     LENGTH_RATIO_LIMIT,
@@ -107,12 +106,12 @@ def _margin(splines: FlankSplines, points: Array, rotation: Array) -> Array:
     return np.where(np.any(np.abs(points - 0.5) >= 0.5 + EXTRAPOLATION_LIMIT, axis=0), -1.0, within)
 
 
-def _steps(here: AcrossLine, way: Array) -> NDArray[np.bool_]:
+def _steps(here: AcrossLine, way: Array) -> Bools:
     """True where the gap opens across the line and its closest approach is near."""
     return np.asarray((here.stiffness > 0.0) & (np.max(np.abs(way), axis=0) <= SEARCH_RADIUS_LIMIT))
 
 
-def _inside(margin: Array) -> tuple[Array, Array, NDArray[np.bool_]]:
+def _inside(margin: Array) -> tuple[Array, Array, Bools]:
     """First and last index (m) of the inside part of every row (m, k) nearest its middle; True if there is one.
 
     Between two points the border is where the margin, taken as linear, is zero.

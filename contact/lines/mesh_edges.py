@@ -15,8 +15,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, Bools, Integers, record
 from .closest_approach import AcrossLine, OppositePoints, across_line, conjugate_points, points_below, solved
 from .flank_splines import FlankSplines
 from .mesh_lines import MeshLines
@@ -32,16 +31,16 @@ GAP_ESTIMATE_MARGIN = 1.5  # ratio of the estimated gap to the widest one up to 
 class EdgeElements:
     """Pieces (n) of edges that may touch."""
 
-    level: NDArray[np.int64]
+    level: Integers
     points: Array
     separation_angle: Array  # gap as a gear rotation [rad]
     lever_arm: Array
     length: Array  # along the contact line [mm]
     curvature: Array
     overhang: Array  # of the closest approach beyond the edge, across the line [mm]
-    still_opens: NDArray[np.bool_]
-    edge: NDArray[np.int64]
-    element: NDArray[np.int64]
+    still_opens: Bools
+    edge: Integers
+    element: Integers
 
 
 @dataclass(frozen=True)
@@ -49,8 +48,8 @@ class MeshEdges:
     """Pieces (n) of the edges of every tooth pair over a mesh cycle; positions and pairs count as in ``MeshLines``."""
 
     elements: EdgeElements
-    position: NDArray[np.int64]
-    pair: NDArray[np.int64]
+    position: Integers
+    pair: Integers
 
 
 def edges_in_mesh(
@@ -129,11 +128,7 @@ def edge_elements(
 
 
 def chosen_elements(
-    splines: FlankSplines,
-    rotations: Array,
-    edges: Sequence[FlankEdge],
-    edge: NDArray[np.int64],
-    element: NDArray[np.int64],
+    splines: FlankSplines, rotations: Array, edges: Sequence[FlankEdge], edge: Integers, element: Integers
 ) -> EdgeElements:
     """Given pieces (n) of edges, each at its own rotation (n) [rad] and level; without length where none may touch.
 
@@ -172,9 +167,9 @@ def _pieces(splines: FlankSplines, rotations: Array, parts: _TouchingParts) -> E
 class _TouchingParts:
     """Parts of elements (n) of edges that may touch."""
 
-    edge: NDArray[np.int64]
-    element: NDArray[np.int64]
-    of_pinion: NDArray[np.bool_]
+    edge: Integers
+    element: Integers
+    of_pinion: Bools
     wanted: Array  # the middle on the member (2, n)
     start: Array
     end: Array
@@ -182,8 +177,7 @@ class _TouchingParts:
     share: Array  # of the element; zero without such a part
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class FlankEdge:
     """Nodes (k) of one edge, and where on the gear they are in conjugate contact."""
 
@@ -200,7 +194,7 @@ class FlankEdge:
     blade_distance: Array
 
 
-def _near_elements(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _near_elements(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Integers, Integers]:
     """Indices of the rotations and numbers of the elements of an edge (n) whose gap may be below the widest one."""
     left = (rotations[:, None] - edge.here.roll_angle) * edge.nearing
     with np.errstate(invalid="ignore"):
@@ -210,9 +204,7 @@ def _near_elements(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[ND
     return row, element
 
 
-def _touching_parts(
-    edges: Sequence[FlankEdge], rotations: Array, edge: NDArray[np.int64], element: NDArray[np.int64]
-) -> _TouchingParts:
+def _touching_parts(edges: Sequence[FlankEdge], rotations: Array, edge: Integers, element: Integers) -> _TouchingParts:
     """Parts of elements (n) that may touch, each at a pinion rotation of its own (n).
 
     Such a part belongs to both flanks, and the gap falls beyond the edge. Where a node has no point, neither holds.
@@ -239,7 +231,7 @@ def _touching_parts(
     return _TouchingParts(edge, element, of_pinion, between, ends[0], ends[1], middle, share)
 
 
-def _margins(edge: FlankEdge, rotations: Array, at: NDArray[np.int64]) -> tuple[Array, Array]:
+def _margins(edge: FlankEdge, rotations: Array, at: Integers) -> tuple[Array, Array]:
     """Margins (6, n), positive at nodes of an edge that may touch, and the nodes' points on the gear (2, n)."""
     expansion = _at(edge.here, at)
     away = rotations - expansion.roll_angle

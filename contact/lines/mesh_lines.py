@@ -7,14 +7,12 @@ Where pinion and gear are loaded, with what line contact and bending both ask of
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays, instance, positive, whole
+from ...core.arrays import Array, Integers, record
+from ...core.checks import instance, positive, whole
 from ...core.errors import GeometryError
 from ...geometry.pair.gear_pair import MEMBERS
 from .closest_approach import SEARCH_RADIUS_LIMIT, one_step
@@ -33,8 +31,7 @@ def mesh_rotations(pinion_pitch: float, positions: int) -> Array:
     return (np.arange(whole("mesh_positions", positions, 1, MESH_POSITION_LIMIT)) / positions - 0.5) * pinion_pitch
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class MeshLines:
     """Contact lines (m) of every tooth pair at every pinion rotation (k) of a mesh cycle.
 
@@ -65,8 +62,8 @@ class MeshLines:
 
     rotations: Array
     lines: ContactLines
-    position: NDArray[np.int64]
-    pair: NDArray[np.int64]
+    position: Integers
+    pair: Integers
     pinion_pitch: float
 
     def at(self, position: int) -> MeshLines:
@@ -178,8 +175,7 @@ def gauss_points(lines: ContactLines, segments: int) -> tuple[Array, Array]:
     return np.asarray(points), weights / 2.0
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ToothEnds:
     """Toe and heel of a member seen from points (...) of its flank."""
 
@@ -211,8 +207,7 @@ def _gradient(dots: list[Array], first: Array, second: Array) -> Array:
     return np.asarray(np.sqrt(dots[2] * first**2 - 2.0 * dots[1] * first * second + dots[0] * second**2))
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class LoadedPlaces:
     """Points (2, ...) at which both members are loaded, as fractions on the gear."""
 

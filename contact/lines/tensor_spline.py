@@ -8,15 +8,12 @@ derivatives, which takes a fraction of the time of one evaluation a derivative.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import cached_property
 from math import perm
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, Integers, record
 from ...core.kernels import kernel
 
 evaluate = kernel(".spline_kernel", __package__).evaluate
@@ -27,8 +24,7 @@ PARTS_PER_INTERVAL = 8  # of the length, in the table that finds the interval of
 FALLING = np.array([[float(perm(power, order)) for power in range(SIZE)] for order in range(SIZE)])[:, None, :, None]
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class KnotIntervals:
     """The polynomial pieces of the B-splines of one direction."""
 
@@ -59,14 +55,14 @@ class KnotIntervals:
             pieces = raised
         return cls(ends, pieces)
 
-    def place(self, points: Array) -> tuple[NDArray[np.int64], Array]:
+    def place(self, points: Array) -> tuple[Integers, Array]:
         """Interval of each point (n), the first or last beyond the ends, and its coordinate in there (n)."""
         index = np.searchsorted(self.ends[1:-1], points, side="right")
         middle, width = 0.5 * (self.ends[1:] + self.ends[:-1]), np.diff(self.ends)
         return index, (points - middle[index]) / width[index]
 
     @cached_property
-    def compiled(self) -> tuple[Array, NDArray[np.int64], Array, Array]:
+    def compiled(self) -> tuple[Array, Integers, Array, Array]:
         """Arrays that the compiled evaluation reads.
 
         Ends, intervals in which equal parts of the length begin, middles and one over widths (2, k), and the pieces of
@@ -99,8 +95,7 @@ def _product(polynomials: Array, value: Array, rise: Array) -> Array:
     return np.asarray(result)
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class TensorSpline:
     """Spline of several components on a grid; ``through`` makes one."""
 
@@ -116,7 +111,7 @@ class TensorSpline:
         second = np.linalg.solve(across.collocation(nodes[1]), np.moveaxis(first, 1, 0).reshape(nh, -1))
         return cls((along, across), np.ascontiguousarray(second.reshape(nh, nt, count).transpose(2, 1, 0)))
 
-    def part(self, components: NDArray[np.int64]) -> TensorSpline:
+    def part(self, components: Integers) -> TensorSpline:
         """The spline of some of the components alone."""
         return TensorSpline(self.intervals, np.ascontiguousarray(self.coefficients[components]))
 

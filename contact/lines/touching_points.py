@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Integers
 from ...core.attributes import ordered
 from ...geometry.newton import cramers_rule
 from ...geometry.pair.gear_pair import PairGeometry
@@ -51,7 +51,7 @@ class TouchingPoints:
     points: Array
     parameters: Array  # on each of the p parts of the pinion flank (2 p, n)
     part: NDArray[np.int8]
-    bound: NDArray[np.int64]  # index into BOUNDS, -1 inside
+    bound: Integers  # index into BOUNDS, -1 inside
 
     @classmethod
     def joined(cls, parts: Sequence[TouchingPoints]) -> TouchingPoints:
@@ -98,7 +98,7 @@ def least(found: TouchingPoints, row: NDArray[Any], count: int) -> TouchingPoint
     return result
 
 
-def lowest_nodes(geometry: PairGeometry, rotations: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def lowest_nodes(geometry: PairGeometry, rotations: Array) -> tuple[Integers, Integers]:
     """Rotations and nodes of the grid (m) at which a search of the smallest gap starts.
 
     A node is a start where the gap across its cell, which lies below its own, is lower than around the neighbours.
@@ -112,7 +112,7 @@ def lowest_nodes(geometry: PairGeometry, rotations: Array) -> tuple[NDArray[np.i
     return row, np.concatenate([node for _, node in blocks])
 
 
-def _lowest(field: Mapping[str, Array], reach: Array, rotations: Array) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _lowest(field: Mapping[str, Array], reach: Array, rotations: Array) -> tuple[Integers, Integers]:
     """As ``lowest_nodes``, from the ease-off's fields (nt, nh) and how far the roll angle reaches around its nodes."""
     curvature, skew = field["separation_curvature"], field["separation_skew"]
     left = rotations[:, None, None] - field["roll_angle"]
@@ -209,7 +209,7 @@ class _Best:
     promised: Array
     points: Array
     parameters: Array
-    bound: NDArray[np.int64]
+    bound: Integers
 
     @classmethod
     def none(cls, count: int, rows: int) -> _Best:

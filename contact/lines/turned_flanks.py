@@ -28,7 +28,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools
 from ...core.attributes import ordered
 from ...geometry.cutting.generating_surface import GeneratingSurface, area_ratio
 from ...geometry.flanks.flank import Flank, pick, seed_lattice, solve_parts
@@ -52,7 +52,7 @@ class FlankCuts:
     coordinate_slope: Array
     begin: Array  # of the section (p); lowest part: end of the blade's edge radius
     end: Array
-    known: NDArray[np.bool_]
+    known: Bools
 
     def margins(self, part: NDArray[np.int8]) -> tuple[Array, Array]:
         """Fractions (3, n) by which the cut of one part (n) lies inside its bounds, and their derivatives (3, 2, n).
@@ -317,7 +317,7 @@ class TurnedFlanks:
         each = zip(self.parts[0], near, strict=True)
         return np.concatenate([nearer_parameters(motion, *one, rotations - later, place) for one in each])
 
-    def in_hole(self, points: Array, part: NDArray[np.int8]) -> NDArray[np.bool_]:
+    def in_hole(self, points: Array, part: NDArray[np.int8]) -> Bools:
         """True where points (2, n) lie in a cell of the gear's grid with a node without a value."""
         return pick([spline.in_hole(points) for spline in self.own], part // len(self.parts[0]))
 

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 from typing import Any, Literal, cast, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import Bools, RealArray as Array
 from ...core.checks import one_of
 from .load_response import LoadResponse
 
@@ -161,9 +160,7 @@ def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, trust_
     return ProgrammeAnswer(str(programme.status), trust_radius * np.asarray(step.value, dtype=np.float64), promise)
 
 
-def _objective(
-    cvxpy: Any, loads: LoadResponse, here: NDArray[np.bool_], goal: Goal, trust_radius: float, step: Any
-) -> Any:
+def _objective(cvxpy: Any, loads: LoadResponse, here: Bools, goal: Goal, trust_radius: float, step: Any) -> Any:
     """Convex function of the step that is the relative objective of one cycle, squared for the pressure."""
     reference = goal.reference[loads.cycle[here][0] % goal.reference.size]
     if goal.objective == "even_load":

@@ -14,9 +14,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import Bools, Integers, RealArray as Array
 from ..problem.compliance_matrix import ComplianceMatrix
 from ..solvers.parametric.touching_form import touching_system
 
@@ -40,14 +39,14 @@ class LoadResponse:
 
     line_load: Array  # [N/mm]
     line_load_slope: Array
-    touching: NDArray[np.bool_]
+    touching: Bools
     length: Array
     curvature: Array
-    at_end: NDArray[np.bool_]
-    cycle: NDArray[np.int64]
+    at_end: Bools
+    cycle: Integers
     rotation: Array  # [urad]
     rotation_slope: Array
-    rotation_cycle: NDArray[np.int64]
+    rotation_cycle: Integers
 
     @property
     def carried(self) -> Array:
@@ -70,7 +69,7 @@ def load_response(
     *,
     length: Array,
     curvature: Array,
-    at_end: NDArray[np.bool_],
+    at_end: Bools,
     cycle: int,
     held: bool = False,
 ) -> LoadResponse:

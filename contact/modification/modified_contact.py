@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, record
 from ...geometry.pair.modification import Modification, basis, modified_ease_off
 from ..mesh_cycle import MeshCycle
 from ..problem.compliance_matrix import ComplianceMatrix, ModalCompliance
@@ -32,8 +30,7 @@ def separation_slopes(cycle: MeshCycle, names: tuple[str, ...]) -> list[Array]:
     return [slopes[lines.position == k].reshape(-1, len(names)) for k in range(lines.rotations.size)]
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ModifiedContact:
     """A pair whose ease-off may be modified, with contact on lines."""
 

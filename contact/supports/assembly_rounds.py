@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, Protocol
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import RealArray as Array, record
 from ...core.attributes import StoredStatus
-from ...core.checks import frozen_arrays, one_of, positive, whole
+from ...core.checks import one_of, positive, whole
 
 if TYPE_CHECKING:
     from ...geometry.pair.gear_pair import PairGeometry
@@ -86,8 +86,7 @@ class CycleInAssembly(Protocol):
         """The same pair at other pinion rotations [rad]."""
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Round:
     """Contact on supports at torques (t) and mesh positions (k), as one round solved it."""
 

@@ -1,4 +1,4 @@
-"""A shaft on bearings that holds a member: how the member moves under a wrench, and what every bearing carries.
+"""A shaft on bearings that holds a member: sections, bearings, what every one carries, and the support that it is.
 
 Force method: the shaft is held where the member sits, and released there. With the loads r of the bearings on the
 shaft, the twist q of the member, the compliance F of the held beam between the bearings and that of the bearings,
@@ -8,22 +8,176 @@ A stepped round beam: stretching, torsion, and bending in two planes with shear 
 
 The compliance of a cylindrical piece follows from the unit-load theorem in closed form. Pieces in a row carry the same
 wrench, taken about one point, so their compliances about that point add up: without nodes, elements or meshing error.
+
 """
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays, number, shown
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import array, number, shown
 from ...core.errors import InputError
+from ...geometry.pair.assembly import Assembly
+from ...geometry.tooth.tooth_flanks import MemberName
 from ..compliance.material import Material
-from .bearing import Bearing
-from .shaft_section import POSITION_LIMIT, ShaftSection, shear_coefficient
-from .support import shift_matrix
+from ..lines.monotone_cubic import MonotoneCubic
+from .support import ORIGIN, BearingReaction, Support, Supports, shift_matrix, shifted_wrench
+
+POSITION_LIMIT = 5000.0  # along the axis, either way [mm]
+DIAMETER_RANGE = (1.0, 2000.0)  # [mm]
+WALL_MINIMUM = 0.01  # outer less inner diameter over the outer one
+
+
+def shear_coefficient(diameter_ratio: float, poisson_ratio: float) -> float:
+    """Cowper's shear coefficient of a section by inner over outer diameter (1966, doi:10.1115/1.3625046)."""
+    ratio, nu = diameter_ratio**2, poisson_ratio
+    ring = (1.0 + ratio) ** 2
+    return 6.0 * (1.0 + nu) * ring / ((7.0 + 6.0 * nu) * ring + (20.0 + 12.0 * nu) * ratio)
+
+
+@dataclass(frozen=True)
+class ShaftSection:
+    """A cylindrical section of a shaft, from start to end along its axis [mm]."""
+
+    start: float
+    end: float
+    outer_diameter: float
+    inner_diameter: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("start", "end"):
+            number(name, getattr(self, name), "mm", least=-POSITION_LIMIT, most=POSITION_LIMIT)
+        least, most = DIAMETER_RANGE
+        number("outer_diameter", self.outer_diameter, "mm", least=least, most=most)
+        number("inner_diameter", self.inner_diameter, "mm", least=0.0)
+        if self.end <= self.start:
+            raise InputError(f"end = {shown(self.end)}: must be greater than start = {shown(self.start)} [mm]")
+        if self.inner_diameter >= self.outer_diameter:
+            raise InputError(
+                f"inner_diameter = {shown(self.inner_diameter)}: must be smaller than outer_diameter = "
+                f"{shown(self.outer_diameter)} [mm]"
+            )
+        if self.inner_diameter > (1.0 - WALL_MINIMUM) * self.outer_diameter:
+            raise InputError(
+                f"inner_diameter = {shown(self.inner_diameter)}: must leave a wall, at most "
+                f"{shown((1.0 - WALL_MINIMUM) * self.outer_diameter)} [mm]"
+            )
+
+    @property
+    def area(self) -> float:
+        """Area of the cross section [mm^2]."""
+        return math.pi / 4.0 * (self.outer_diameter**2 - self.inner_diameter**2)
+
+    @property
+    def second_moment(self) -> float:
+        """Second moment of area about a diameter [mm^4]; the polar one is twice that."""
+        return math.pi / 64.0 * (self.outer_diameter**4 - self.inner_diameter**4)
+
+
+STIFFNESS_LIMIT = 1e15  # [N/mm, N mm/rad]
+POINT_COUNT_LIMIT = 1000  # of a curve
+
+
+@dataclass(frozen=True)
+class StiffnessCurve:
+    """Stiffness of a bearing that depends on its load, by increasing loads and displacements.
+
+    A monotone cubic on logarithmic scales, exact for a power law such as that of a line contact; beyond the loads the
+    stiffness is that of the curve's end.
+    """
+
+    load: tuple[float, ...]  # [N, or N mm]
+    displacement: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        for name in ("load", "displacement"):
+            values = array(name, getattr(self, name), "N, mm, N mm, rad", ndim=1, fewest=2, above=0.0)
+            if np.any(np.diff(values) <= 0.0):
+                raise InputError(f"{name} = {shown(values)}: must increase from point to point")
+            object.__setattr__(self, name, tuple(values.tolist()))
+        if not len(self.load) == len(self.displacement) <= POINT_COUNT_LIMIT:
+            raise InputError(
+                f"{len(self.load)} loads and {len(self.displacement)} displacements: must be as many of both, at most "
+                f"{POINT_COUNT_LIMIT}"
+            )
+
+    @classmethod
+    def of_stiffness(cls, points: Sequence[tuple[float, float]]) -> StiffnessCurve:
+        """The curve of points (load, load over displacement), refused if the displacement falls."""
+        table = array("points", points, "N, N/mm", ndim=2, above=0.0)
+        if table.shape[1] != 2:
+            raise InputError(f"points = {shown(points)}: must be pairs of load and stiffness")
+        displacement = table[:, 0] / table[:, 1]
+        for (before, now), (load, stiffness) in zip(itertools.pairwise(displacement), table[1:], strict=True):
+            if now <= before:
+                raise InputError(
+                    f"stiffness {shown(stiffness)} at load {shown(load)}: must be load over displacement, smaller than "
+                    f"{shown(load / before)}: with it the displacement would not grow with the load"
+                )
+        return cls(tuple(table[:, 0]), tuple(displacement))
+
+    @cached_property
+    def _logarithms(self) -> MonotoneCubic:
+        return MonotoneCubic(np.log(self.load), np.log(self.displacement))
+
+    def stiffness(self, load: float) -> float:
+        """Load over displacement at a load [N/mm, or N mm/rad]; of load zero that of the first point."""
+        within = float(np.log(np.clip(abs(load), self.load[0], self.load[-1])))
+        within = min(max(within, float(self._logarithms.places[0])), float(self._logarithms.places[-1]))
+        return float(np.exp(within - self._logarithms(np.array(within))))
+
+
+Stiffness = float | StiffnessCurve
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """A bearing at a place of a shaft. It leaves the rotation about the axis free; a stiffness of zero is none."""
+
+    name: str
+    position: float  # on the axis [mm]; of a taper roller bearing its load centre
+    radial: Stiffness  # [N/mm]
+    axial: Stiffness = 0.0  # [N/mm], both senses alike
+    tilting: Stiffness = 0.0  # [N mm/rad]
+
+    def __post_init__(self) -> None:
+        number("position", self.position, "mm", least=-POSITION_LIMIT, most=POSITION_LIMIT)
+        for name, unit in (("radial", "N/mm"), ("axial", "N/mm"), ("tilting", "N mm/rad")):
+            if not isinstance(value := getattr(self, name), StiffnessCurve):
+                number(f"{name} stiffness", value, unit, least=0.0, most=STIFFNESS_LIMIT)
+        if not np.any(self.stiffness > 0.0):
+            raise InputError(f"bearing {self.name}: must have a stiffness above 0: radial, axial or tilting")
+
+    @property
+    def is_linear(self) -> bool:
+        """True if no stiffness depends on the load."""
+        return not any(isinstance(value, StiffnessCurve) for value in (self.radial, self.axial, self.tilting))
+
+    def _at(self, loads: Sequence[float]) -> list[float]:
+        """Radial, axial and tilting stiffness at loads."""
+        each = zip((self.radial, self.axial, self.tilting), loads, strict=True)
+        return [value.stiffness(load) if isinstance(value, StiffnessCurve) else value for value, load in each]
+
+    @property
+    def stiffness(self) -> Array:
+        """Stiffness (5) along x, y, z and about x and y [N/mm, N mm/rad]; of curves that without load."""
+        radial, axial, tilting = self._at((0.0, 0.0, 0.0))
+        return np.array([radial, radial, axial, tilting, tilting], dtype=np.float64)
+
+    def under(self, load: Array) -> Bearing:
+        """The linear bearing with the stiffness, load over displacement, of a load (6) on it [N, N mm]."""
+        sizes = float(np.hypot(*load[:2])), float(load[2]), float(np.hypot(*load[3:5]))
+        radial, axial, tilting = self._at(sizes)
+        return replace(self, radial=radial, axial=axial, tilting=tilting)
+
 
 SECTION_COUNT_LIMIT = 200
 JOINT_TOLERANCE = 1e-9  # between the end of a section and the start of the next [mm]
@@ -97,8 +251,7 @@ STEP_COUNT_LIMIT = 500  # of bearings whose stiffness depends on the load
 STIFFNESS_CHANGE_LIMIT = 1e-13  # relative, at which they have converged
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Shaft:
     """A shaft along z on bearings, with a member on it that is rigid.
 
@@ -246,3 +399,59 @@ class Shaft:
 def _shift(start: float, end: float) -> Array:
     """The matrix (6, 6) that takes a wrench at one place of the axis to another."""
     return shift_matrix((0.0, 0.0, start), (0.0, 0.0, end))
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftSupport:
+    """A shaft with its place in the global frame."""
+
+    shaft: Shaft
+    origin: ArrayLike  # the member's crossing point (3) [mm], global frame
+    frame: ArrayLike  # axes in columns (3, 3), z along the shaft
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "origin", array("origin", self.origin, "mm", ndim=1, size=3, frozen=True))
+        object.__setattr__(self, "frame", array("frame", self.frame, ndim=2, size=9, frozen=True))
+
+    @classmethod
+    def of(cls, shaft: Shaft, assembly: Assembly, member: MemberName) -> ShaftSupport:
+        """The shaft of a member of a pair."""
+        if member == "gear":
+            return cls(shaft, assembly.gear_origin, np.eye(3))
+        return cls(shaft, assembly.pinion_origin, assembly.pinion_frame)
+
+    def at(self, wrench: Array) -> Support:
+        """The support under a wrench (6) on the member about the global origin [N, N mm], with the bearings' loads."""
+        turned = np.kron(np.eye(2), np.asarray(self.frame))
+        reference = self._point(self.shaft.reference)
+        shaft = self.shaft.under(turned.T @ shifted_wrench(wrench, ORIGIN, reference))
+        bearings = tuple(
+            BearingReaction(bearing.name, self._point(bearing.position), turned @ load @ turned.T)
+            for bearing, load in zip(shaft.bearings, shaft.loads, strict=True)
+        )
+        return Support(reference, turned @ shaft.compliance @ turned.T, bearings)
+
+    def _point(self, place: float) -> Array:
+        return np.asarray(self.origin) + place * np.asarray(self.frame)[:, 2]
+
+
+@dataclass(frozen=True, eq=False)
+class ShaftSupports:
+    """Supports of pinion and gear of which one or both are shafts whose bearings may depend on the load."""
+
+    pinion: ShaftSupport | Support
+    gear: ShaftSupport | Support
+    wind_up: bool = False
+
+    @property
+    def is_linear(self) -> bool:
+        """True if the supports do not depend on the load."""
+        return all(not isinstance(one, ShaftSupport) or one.shaft.is_linear for one in (self.pinion, self.gear))
+
+    def at(self, pinion_wrench: Array, gear_wrench: Array) -> Supports:
+        """The supports under wrenches (6) on pinion and gear about the origin, see ``LoadedSupports``."""
+        pinion, gear = (
+            one.at(wrench) if isinstance(one, ShaftSupport) else one
+            for one, wrench in ((self.pinion, pinion_wrench), (self.gear, gear_wrench))
+        )
+        return Supports(pinion, gear, wind_up=self.wind_up)

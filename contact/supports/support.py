@@ -14,14 +14,13 @@ have twelve, the pinion first.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import array, check_fields, frozen_arrays, instance, instances, read_only, shown, two
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import array, check_fields, instance, instances, read_only, shown, two
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 
@@ -214,8 +213,7 @@ def _direction(vector: Array) -> str:
     return "({:.4g}, {:.4g}, {:.4g})".format(*(np.sign(unit[axis]) * unit + 0.0))
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class MemberAxis:
     """Axis of a member, about which it is free to turn."""
 
@@ -240,8 +238,7 @@ def member_axes(assembly: Assembly) -> tuple[MemberAxis, MemberAxis]:
     return MemberAxis(assembly.pinion_origin, frame[:, 2]), MemberAxis(assembly.gear_origin, np.array([0.0, 0.0, 1.0]))
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class BearingReaction:
     """Load on one bearing under a wrench on the member that it holds.
 
@@ -275,8 +272,7 @@ class BearingReaction:
         return np.asarray(wrench @ np.asarray(self.reaction).T)
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Support:
     """Support of one member: its motion as a rigid body under a wrench.
 
@@ -321,8 +317,7 @@ class Support:
         return shifted_compliance(np.asarray(self.compliance), self.reference, ORIGIN)
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Supports:
     """Supports of pinion and gear.
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import array, frozen_arrays, instance, truth
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import array, instance, truth
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from .support import ORIGIN, Support, Supports
@@ -20,8 +19,7 @@ RIDGE = 1e-6  # of the data; what the deflections do not determine is as small a
 RANK_SHARE = 1e-6  # of the greatest singular value; a smaller one is no independent datum
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class IdentifiedSupport:
     """A support identified from deflections (n).
 

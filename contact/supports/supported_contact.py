@@ -6,16 +6,15 @@ Results of a pair on supports: misalignment under load, mesh force, bearing load
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import RealArray as Array, record
 from ...core.attributes import labelled
-from ...core.checks import frozen_arrays
 from ...geometry.pair.gear_pair import MEMBERS
 from ..loaded import LoadedCase, loaded_dataset, rotation_numbers
 from .assembly_rounds import CycleInAssembly, FoundRound, Round, RoundsStatus
@@ -89,8 +88,7 @@ def _shares(rotation: Array, cases: Sequence[LoadedCase], torques: Array) -> lis
     return [*shares, rotation - sum(shares)]
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class SupportedContact:
     """Loaded contact on supports at torques (t) and mesh positions (k).
 

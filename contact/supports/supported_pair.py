@@ -14,8 +14,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import RealArray as Array, record
 from ...core.errors import GeometryError
 from ...geometry.pair.assembly import Assembly, Misalignment
 from ..loaded import CycleSolver, LoadedCase
@@ -28,8 +27,7 @@ from .support import LoadedSupports, Supports, member_axes
 PARTS = ("offset", "pinion_axial", "gear_axial", "shaft_angle", "pinion_rotation", "gear_rotation")
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class RelativeMotion:
     """The twist of the pinion relative to the gear, about the origin of the global frame, by its six parts."""
 
@@ -189,8 +187,7 @@ class SupportedPair:
             kinds: dict[tuple[Supports, tuple[float, ...]], SupportModes] = {}  # the modes of equal ones are found once
             modes = [
                 kinds.setdefault(
-                    (supports[k], tuple(absorbed[k])),
-                    SupportModes(compliances[supports[k]], motion.twist(absorbed[k])),
+                    (supports[k], tuple(absorbed[k])), SupportModes(compliances[supports[k]], motion.twist(absorbed[k]))
                 )
                 for k in numbers
             ]

@@ -29,8 +29,7 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.special import gamma, ndtr, pbdv
 
 from ...core import checks
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import RealArray as Array, record
 from ...core.errors import InputError
 
 #: m0 m4 / m2^2 of the autocorrelation exp(-(r/l)^2).
@@ -136,8 +135,7 @@ POINTS_PER_LENGTH = 12
 FLATNESS_TOLERANCE = 1e-12
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class RoughProfile:
     """A profile that repeats itself, given by heights at equal distances with a cubic spline in between.
 

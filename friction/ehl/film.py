@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 
 from ...core import checks
-from ...core.arrays import RealArray as Array
+from ...core.arrays import RealArray as Array, record
 from ...core.attributes import labelled
-from ...core.checks import frozen_arrays, instance
+from ...core.checks import instance
 from ...core.errors import InputError
 from .asperities import Asperities
 from .hierarchical_matrix import Deflection
@@ -47,8 +47,7 @@ START_VELOCITY_FACTORS = (1.0, 2.0, 4.0, 8.0, 16.0)
 START_FILM_FACTORS = (1.0, 2.0, 0.5, 4.0, 8.0)
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Film:
     """Pressure and film of a lubricated line contact.
 

@@ -36,8 +36,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.fft import irfft, next_fast_len, rfft
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import RealArray as Array, record
 
 #: From this distance on, in grid spacings, a series replaces the closed form, whose digits cancel there.
 SERIES_DISTANCE = 40
@@ -63,8 +62,7 @@ def logarithm_of_hats(distance: NDArray[np.int_]) -> NDArray[np.float64]:
     return np.where(near, closed, series)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Deflection:
     """Deflection of the surfaces on a uniform grid, with its spacing in half widths of the Hertz contact."""
 

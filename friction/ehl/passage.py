@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -16,9 +16,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...core import checks
-from ...core.arrays import RealArray as Array
+from ...core.arrays import Bools, RealArray as Array, record
 from ...core.attributes import labelled
-from ...core.checks import frozen_arrays, instance
+from ...core.checks import instance
 from ...core.errors import InputError
 from ...core.memory import require_memory
 from .asperities import Profile, smooth
@@ -47,8 +47,7 @@ TOUCHING_FILM = 4e-9
 ROUGH_INLET_GAP_RATIO = 25.0
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class RoughPassage:
     """Passage of rough surfaces through the contact, step by step; (t) arrays unless said otherwise.
 
@@ -96,7 +95,7 @@ class RoughPassage:
     contact: LubricatedContact
     position: Array
     time: Array
-    settled: NDArray[np.bool_]
+    settled: Bools
     status: NDArray[np.int8]
     iterations: NDArray[np.int_]
     violation: Array
@@ -261,15 +260,7 @@ def rough_passage(
 
 STEP_LIMIT = 1_000_000_000  # beyond, not even the record of the steps fits into memory
 STEP_SIZE, KEPT_NODE_SIZE = 100.0, 20.0  # memory of the record of a step, and of a node of fields kept [byte]
-_RECORDED = (
-    "violation",
-    "leak",
-    "film_friction",
-    "asperity_friction",
-    "asperity_share",
-    "minimum_film",
-    "mean_film",
-)
+_RECORDED = ("violation", "leak", "film_friction", "asperity_friction", "asperity_share", "minimum_film", "mean_film")
 
 
 def _record(

@@ -54,9 +54,8 @@ from dataclasses import astuple, dataclass, field, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import RealArray as Array, record
 from ...core.attributes import StoredStatus
-from ...core.checks import frozen_arrays
 from . import hierarchical_matrix as hierarchical
 from .asperities import Asperities
 from .hierarchical_matrix import Deflection
@@ -78,8 +77,7 @@ class History:
     weight: float  # of the new rho H: 1 or 3/2
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Balance:
     """Mass balance of all nodes."""
 
@@ -250,8 +248,7 @@ SMOOTH = (Pace(0.3), Pace(3.0))
 ROUGH = (Pace(3.0, 0.1, 30), Pace(10.0, 0.1, 40), Pace(10.0, 1e-4, 40), Pace(3.0, 1.0, 60), Pace(1.0, 0.1, 60))
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Problem:
     """One steady state or one step in time, in units of the Hertz contact."""
 
@@ -264,8 +261,7 @@ class Problem:
     asperities: Asperities | None = None  # statistical roughness; H is then the mean planes' separation
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Point:
     """A point of the iteration, with P, H and other fields of the nodes (n)."""
 
@@ -280,8 +276,7 @@ class Point:
     clearance: Array  # mean film: H, or the mean gap of rough surfaces
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Outcome:
     """End of an iteration."""
 
@@ -310,12 +305,7 @@ def evaluate(problem: Problem, pressure: Array, approach: float) -> Point:
         clearance, by_film = problem.asperities.mean_gap(separation)
         clearance = clearance / contact.film_scale
     flow = balance(
-        contact,
-        deflection.spacing,
-        fluid,
-        clearance,
-        history=problem.history,
-        touching_film=problem.touching_film,
+        contact, deflection.spacing, fluid, clearance, history=problem.history, touching_film=problem.touching_film
     )
     if problem.asperities is not None:
         flow = chained(flow, fluid_by_film, by_film)
@@ -379,11 +369,7 @@ def _states(problem: Problem, point: Point, pace: Pace) -> States:
     by_own_pressure = np.abs(point.balance.by_pressure[2] + influence @ point.balance.by_film)
     by_own_pressure[[0, -1]] = 1.0
     members = np.stack(
-        [
-            point.lack / by_own_pressure,
-            point.fluid,
-            point.gap / (pace.gap_scale * abs(problem.deflection.influence[0])),
-        ]
+        [point.lack / by_own_pressure, point.fluid, point.gap / (pace.gap_scale * abs(problem.deflection.influence[0]))]
     )
     members[State.RUPTURED, [0, -1]] = -math.inf  # no pressure at the ends
     return np.asarray(np.argmin(members, axis=0), dtype=np.int8)

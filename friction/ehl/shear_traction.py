@@ -8,13 +8,11 @@ times the pressure (dissertation, equations 5.7-5.9); where the film is ruptured
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
 from ...core import checks
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import RealArray as Array, record
 from ...core.errors import InputError
 from .lubricated_contact import LubricatedContact
 
@@ -34,8 +32,7 @@ TEMPERATURE_TOLERANCE, NEWTON_ITERATIONS = 1e-6, 30
 SPACING_TOLERANCE, PRESSURE_ROUNDING = 1e-6, 1e-12
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Traction:
     """Shear in a contact.
 

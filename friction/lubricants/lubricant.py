@@ -22,7 +22,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal, get_args
 
@@ -30,8 +29,8 @@ import numpy as np
 import tomli_w
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import array, frozen_arrays, instance, number, one_of, shown
+from ...core.arrays import Array, Bools, record
+from ...core.checks import array, instance, number, one_of, shown
 from ...core.errors import InputError, suggestion
 from ...core.output_file import whole_file
 from ...core.regular_file import TOML_SIZE_LIMIT, named, read_text
@@ -59,8 +58,7 @@ KELVIN = 273.15  # of 0 degC
 KEYS = {"title", "source", "temperature", "dynamic_viscosity", "pressure_viscosity", "density", "thermal_conductivity"}
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class OilState:
     """A lubricant at temperatures (...).
 
@@ -91,11 +89,10 @@ class OilState:
     temperature_viscosity: Array
     density: Array
     thermal_conductivity: float
-    clamped: NDArray[np.bool_]
+    clamped: Bools
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Lubricant:
     """A lubricant's properties at some temperatures (n).
 

@@ -23,10 +23,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import check_fields, frozen_arrays
+from ...core.arrays import Array, Integers, record
+from ...core.checks import check_fields
 from ..newton import NewtonResult, complex_steps, solve_by
 from ..vectors import cos_sin, cross, dot
 from .blade import Blade, BladeSection, SectionName
@@ -212,6 +211,11 @@ class GeneratingSurface:
         point, edge, coordinate = self._on_blade(tip, plane, parameters[1], meshing)
         return (*self._in_member(pose, velocities[0], point, edge, parameters[0]), coordinate)
 
+    def rows(self, parameters: Array) -> Array:
+        """What ``evaluate`` gives, as one array (7, n)."""
+        position, normal, coordinate = self.evaluate(parameters)
+        return np.concatenate([position, normal, coordinate[None]])
+
     @np.errstate(all="ignore")
     def at_coordinate(self, parameters: Array, coordinate: float) -> tuple[Array, Array, Array]:
         """A given point of the blade on a generated flank, and how far it is from touching the flank.
@@ -314,20 +318,14 @@ class GeneratingSurface:
 
     def orientation(self, parameters: Array) -> Array:
         """Signed area ratio of the parametrisation (n): it changes sign where the flank is undercut."""
-
-        def position_and_normal(p: Array) -> Array:
-            return np.concatenate(self.evaluate(p)[:2])
-
-        value, (first, second) = complex_steps(position_and_normal, parameters)
-        return area_ratio(first, second, value[3:])
+        return SurfacePoints.of(self, parameters).orientation
 
 
 Locate = Callable[["SurfacePoints"], tuple[Array, Array]]
 LINEAR_STEP = 1e-11  # of the longest step; along so short a one a point and its tangents are followed linearly
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class SurfacePoints:
     """Points of a generating surface (n) in the member's frame."""
 
@@ -338,12 +336,7 @@ class SurfacePoints:
     @classmethod
     def of(cls, surface: GeneratingSurface, parameters: Array) -> SurfacePoints:
         """Points at given parameters (2, n)."""
-
-        def all_values(p: Array) -> Array:
-            position, normal, coordinate = surface.evaluate(p)
-            return np.concatenate([position, normal, coordinate[None]])
-
-        return cls(parameters, *complex_steps(all_values, parameters))
+        return cls(parameters, *complex_steps(surface.rows, parameters))
 
     @property
     def position(self) -> Array:
@@ -400,7 +393,7 @@ def points_at(
     """
     held, known = start, True
 
-    def derivatives(here: Array, active: NDArray[np.int64]) -> tuple[Array, Array]:
+    def derivatives(here: Array, active: Integers) -> tuple[Array, Array]:
         nonlocal held, known
         if known:
             known = False

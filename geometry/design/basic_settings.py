@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import get_args
 
 import numpy as np
@@ -53,17 +53,8 @@ def blank_section(member: MemberBlank, clearance: float) -> BlankSection:
     True
     """
     instance("member", member, MemberBlank)
-    return BlankSection(
-        pitch_angle=member.pitch_angle,
-        face_angle=member.face_angle,
-        root_angle=member.root_angle,
-        outer_cone_distance=member.outer_cone_distance,
-        face_width=member.face_width,
-        pitch_apex=member.pitch_apex,
-        face_apex=member.face_apex,
-        root_apex=member.root_apex,
-        clearance=clearance,
-    )
+    shared = {one.name: getattr(member, one.name) for one in fields(BlankSection) if hasattr(member, one.name)}
+    return BlankSection(**shared, clearance=clearance)
 
 
 def formate_gear(

@@ -299,9 +299,7 @@ def angles_of_normal(position: Array, normal: Array, pitch_angle: float, hand: H
     off_cone = cosine * outward - sine * float(normal[2])
     # The trace is at right angles to the normal; towards the heel of a right-hand member the azimuth grows along it.
     return MeanPointAngles(
-        spiral_angle=math.atan(-along_element / around),
-        pressure_angle=math.asin(off_cone),
-        azimuth=azimuth,
+        spiral_angle=math.atan(-along_element / around), pressure_angle=math.asin(off_cone), azimuth=azimuth
     )
 
 

@@ -16,8 +16,7 @@ from functools import cached_property
 
 import numpy as np
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, record
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..pair.gear_pair import MEMBERS, GearPair
@@ -142,8 +141,7 @@ def _each(function: Callable[[float], float], values: Array) -> Array:
 BLADE_OVERLAP = 0.025  # [mm] by which a blade point passes the middle of the slot, or two roughing blades one another
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class SlotWidths:
     """Slot widths of both members; arrays have the pinion first (AGMA 929-B22, 4.4 and 4.5)."""
 
@@ -248,8 +246,7 @@ LEAST_ROUGHING_RADIUS = 0.254  # [mm]
 LIMITS = ("interference", "manufacture", "mutilation")
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class EdgeRadiusLimits:
     """Limits of the edge radii by (pinion, gear), then (drive, coast) (AGMA 929-B22, 4.6).
 
@@ -360,8 +357,7 @@ class EdgeRadiusLimits:
         return LIMITS[pinion], LIMITS[gear]
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class TopLands:
     """Normal top lands of both members; arrays have the pinion first (AGMA 929-B22, 4.7).
 

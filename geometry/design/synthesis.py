@@ -10,8 +10,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...core.arrays import Array
-from ...core.checks import array, check_fields, frozen_arrays, instance, positive, truth, words
+from ...core.arrays import Array, record
+from ...core.checks import array, check_fields, instance, positive, truth, words
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS, get_setting, scale_of, with_settings
@@ -88,8 +88,7 @@ class EaseOffTarget:
         return np.asarray(second + self.spiral_angle_error * t + self.pressure_angle_error * h)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Synthesis:
     """A pinion flank fitted to a target.
 

@@ -6,7 +6,8 @@ Tooth proportions of a pair whose basic data are not known: measured on its blan
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -70,24 +71,19 @@ class ToothProportions:
         cls, blank: BlankDimensions, cutter_radius: float, number_of_blade_groups: int = 0, *, generated_gear: bool
     ) -> ToothProportions:
         """Proportions of a pair of blanks, with the suggested allowances and members finished in one cut."""
-        pinion, gear = blank.pinion, blank.gear
+        names = [one.name for one in fields(cls)]
+        shared = {name: getattr(blank, name) for name in names if hasattr(blank, name)}
+        of_members: dict[str, Any] = {
+            name: (getattr(blank.pinion, name), getattr(blank.gear, name))
+            for name in names
+            if hasattr(blank.gear, name)
+        }
         return cls(
-            number_of_teeth=(pinion.number_of_teeth, gear.number_of_teeth),
-            shaft_angle=blank.shaft_angle,
-            hypoid_offset=blank.hypoid_offset,
-            mean_normal_module=blank.mean_normal_module,
-            face_width=(pinion.face_width, gear.face_width),
-            outer_cone_distance=(pinion.outer_cone_distance, gear.outer_cone_distance),
-            mean_cone_distance=(pinion.mean_cone_distance, gear.mean_cone_distance),
-            pitch_angle=(pinion.pitch_angle, gear.pitch_angle),
-            dedendum_angle=(pinion.dedendum_angle, gear.dedendum_angle),
-            mean_addendum=(pinion.mean_addendum, gear.mean_addendum),
-            mean_dedendum=(pinion.mean_dedendum, gear.mean_dedendum),
-            mean_normal_thickness=(pinion.mean_normal_thickness, gear.mean_normal_thickness),
-            clearance=blank.clearance,
+            **shared,
+            **of_members,
             drive_pressure_angle=blank.generated_drive_pressure_angle,
             coast_pressure_angle=blank.generated_coast_pressure_angle,
-            gear_spiral_angle=gear.mean_spiral_angle,
+            gear_spiral_angle=blank.gear.mean_spiral_angle,
             cutter_radius=cutter_radius,
             number_of_blade_groups=number_of_blade_groups,
             generated_gear=generated_gear,

@@ -22,10 +22,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays, instance, number, truth, words
+from ...core.arrays import Array, Bools, record
+from ...core.checks import instance, number, truth, words
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import get_setting, scale_of, setting_step, with_settings
@@ -39,8 +38,7 @@ from .machine_set_up import BLADE_SETTINGS, require_movable, shares_set_up, usua
 MISSING_LIMIT = 0.25  # of a flank's points, the most that the settings found may not cut
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class CorrectedFlank:
     """One measured flank before and after the correction, a rotation left out.
 
@@ -61,7 +59,7 @@ class CorrectedFlank:
         return side(self.surface)
 
     @property
-    def missing(self) -> NDArray[np.bool_]:
+    def missing(self) -> Bools:
         """Points that the flank with the errors found does not have (columns, rows)."""
         return np.isnan(self.after)
 
@@ -246,7 +244,7 @@ def corrective_settings(
 
 def _fit(
     measured: Sequence[tuple[Member, Deviation]], names: tuple[str, ...], thickness: float | None
-) -> tuple[SetUpFit, Array, list[Array], list[NDArray[np.bool_]]]:
+) -> tuple[SetUpFit, Array, list[Array], list[Bools]]:
     """Fit to points cut by settings near the design, its steps, form (n) [mm] and the points kept (n), by flank.
 
     A point that the flank with the errors found does not have (undercut, beyond the blade) is left out, and the errors
@@ -276,7 +274,7 @@ def _fit(
                 )
 
 
-def _on_grid(values: Array, cut: NDArray[np.bool_]) -> Array:
+def _on_grid(values: Array, cut: Bools) -> Array:
     """Values of the points that are cut as those of all points (n); NaN elsewhere."""
     grid = np.full(cut.shape, np.nan)
     grid[cut] = values
@@ -405,11 +403,11 @@ class SetUpFit:
         return np.concatenate([values, np.zeros(count - values.size)]), ways.T
 
     @property
-    def determined(self) -> NDArray[np.bool_]:
+    def determined(self) -> Bools:
         """Which combinations the flanks tell (m)."""
         return np.asarray(self.effects[0] >= EFFECT_LIMIT)
 
-    def needed(self, target: Array) -> NDArray[np.bool_]:
+    def needed(self, target: Array) -> Bools:
         """True for the combinations (m) that a departure (n) [mm] takes: determined, down to the last that counts.
 
         Of those that act at right angles, the weakest are left out while their parts are no more than the scatter of

@@ -26,11 +26,10 @@ from functools import cached_property
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools, record
 from ...core.attributes import labelled
-from ...core.checks import frozen_arrays, instance, number, two_whole
+from ...core.checks import instance, number, two_whole
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -95,8 +94,7 @@ def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Devi
     return replace(pair, pinion=deviated_member(pair.pinion, pinion), gear=deviated_member(pair.gear, gear))
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class RecutFlank:
     """Designed flank at measuring points, from where flanks of other settings are found."""
 
@@ -114,13 +112,10 @@ class RecutFlank:
             raise GeometryError("measured points lie off the designed flank: check the measuring grid")
         return cls(surface, member.section, target, flank)
 
-    def at(self, chosen: NDArray[np.bool_]) -> RecutFlank:
+    def at(self, chosen: Bools) -> RecutFlank:
         """The same flank at some of the points (n)."""
-        flank = self.flank
-        arrays = {
-            field.name: getattr(flank, field.name)[..., chosen] for field in fields(Flank) if field.name != "surface"
-        }
-        return replace(self, target=self.target[:, chosen], flank=replace(flank, **arrays))
+        arrays = {name: getattr(self.flank, name)[..., chosen] for name in Flank.ARRAYS}
+        return replace(self, target=self.target[:, chosen], flank=replace(self.flank, **arrays))
 
     @cached_property
     def lever(self) -> Array:
@@ -129,7 +124,7 @@ class RecutFlank:
         return np.asarray(x * along_y - y * along_x)
 
     @cached_property
-    def _parts(self) -> tuple[tuple[GeneratingSurface, NDArray[np.bool_]], ...]:
+    def _parts(self) -> tuple[tuple[GeneratingSurface, Bools], ...]:
         """Parts of the flank that have points, and which ones (n)."""
         owned = [(part, self.flank.part == number) for number, part in enumerate(self.surface.flank_parts)]
         return tuple((part, mask) for part, mask in owned if np.any(mask))
@@ -239,10 +234,7 @@ GRID = ("lengthwise", "profile")
 
 
 def deviated_ease_off(
-    geometry: PairGeometry,
-    *,
-    pinion: Deviation | None = None,
-    gear: Deviation | None = None,
+    geometry: PairGeometry, *, pinion: Deviation | None = None, gear: Deviation | None = None
 ) -> xr.Dataset:
     """Ease-off and surface of roll angle of a pair with deviated flanks (Kolivand 2009, Eq. 4.3 to 4.10).
 
@@ -278,7 +270,7 @@ def deviated_ease_off(
     )
 
 
-def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _sampled(deviation: Deviation | None, lengthwise: Array, profile: Array) -> tuple[Array, Bools]:
     """Deviation [mm] at fractions (nt, nh), and where it is taken beyond its outermost nodes."""
     if deviation is None:
         return np.zeros(lengthwise.shape), np.zeros(lengthwise.shape, dtype=bool)

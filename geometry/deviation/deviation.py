@@ -21,11 +21,10 @@ from typing import TYPE_CHECKING, Literal, Protocol, get_args
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools, Integers, record
 from ...core.attributes import labelled
-from ...core.checks import array, frozen_arrays, instance, one_of, two_whole
+from ...core.checks import array, instance, one_of, two_whole
 from ...core.errors import InputError
 from ..cutting.generating_surface import GeneratingSurface, SurfacePoints
 from ..flanks.blank_section import BlankSection
@@ -74,8 +73,7 @@ class WeightedAverage:
         return value, (by_point * (self.value - value[..., None])).sum(axis=-1) / total
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class GridSpline:
     """Bicubic spline through the nodes, in the grid's own coordinates from 0 to 1 over columns (u) and rows (v).
 
@@ -212,8 +210,7 @@ def require_method(name: str) -> None:
     one_of("interpolation", name, get_args(Method))
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Deviation:
     """Deviation of one flank, given at the nodes of a grid.
 
@@ -296,7 +293,7 @@ class Deviation:
         """Deviation (...) [mm] at fractions (...) of the flank."""
         return self.interpolant(*self.section.points(lengthwise, profile))[0]
 
-    def extrapolated(self, lengthwise: Array, profile: Array) -> NDArray[np.bool_]:
+    def extrapolated(self, lengthwise: Array, profile: Array) -> Bools:
         """True where fractions (...) of the flank lie beyond the outermost nodes (...)."""
         shape = np.broadcast_shapes(np.shape(lengthwise), np.shape(profile))
         point = self._spline.locate(*self.section.points(lengthwise, profile).reshape(2, -1))
@@ -406,7 +403,7 @@ def normal_distance(
     first = first / np.sqrt(dot(first, first))
     across = first, cross(normal, first)
 
-    def derivatives(here: Array, active: NDArray[np.int64]) -> tuple[Array, Array]:
+    def derivatives(here: Array, active: Integers) -> tuple[Array, Array]:
         directions = [direction[:, active] for direction in across]
         point, slopes = complex_steps(lambda p: surface.evaluate(p)[0], here)
         return (

@@ -104,10 +104,7 @@ def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
     errors, *_ = np.linalg.lstsq(terms.reshape(-1, terms.shape[-1]), value.ravel(), rcond=None)
     residual = value - terms @ errors
     return GlobalErrorFit(
-        GlobalErrors(*(float(v) for v in errors)),
-        residual,
-        float(np.std(value)),
-        float(np.sqrt(np.mean(residual**2))),
+        GlobalErrors(*(float(v) for v in errors)), residual, float(np.std(value)), float(np.sqrt(np.mean(residual**2)))
     )
 
 
@@ -145,7 +142,4 @@ def angle_errors(errors: GlobalErrors, member: Member) -> tuple[float, float]:
         angles_of_normal(position[:, 0], n / np.linalg.norm(n), section.pitch_angle, surface.hand)
         for n in (normal, leaning)
     ]
-    return (
-        angles[1].spiral_angle - angles[0].spiral_angle,
-        angles[1].pressure_angle - angles[0].pressure_angle,
-    )
+    return (angles[1].spiral_angle - angles[0].spiral_angle, angles[1].pressure_angle - angles[0].pressure_angle)

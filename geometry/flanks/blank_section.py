@@ -8,19 +8,17 @@ and the radial coordinate as the distance from that axis. The flank is bounded b
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import check_fields, frozen_arrays
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import check_fields
 from ...core.errors import GeometryError
 from ..newton import determinant
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class BlankSection:
     """Axial section of one member's blank.
 
@@ -89,10 +87,7 @@ class BlankSection:
     def corners(self) -> Array:
         """Corners of the flank (toe/heel, root/tip, axial/radial) [mm]."""
         root_point = np.array([-self.root_apex, 0.0]) + self.clearance * self._root_normal
-        lines = [
-            (root_point, self.root_angle),
-            (np.array([-self.face_apex, 0.0]), self.face_angle),
-        ]
+        lines = [(root_point, self.root_angle), (np.array([-self.face_apex, 0.0]), self.face_angle)]
         corners = np.empty((2, 2, 2))
         ends = (self.outer_cone_distance - self.face_width, self.outer_cone_distance)
         for i, (distance, angle) in enumerate(zip(ends, (self.front_angle, self.back_angle), strict=True)):

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays, instance
-from ..cutting.generating_surface import GeneratingSurface
-from ..newton import complex_steps
+from ...core.arrays import Array, record
+from ...core.checks import instance
+from ..cutting.generating_surface import GeneratingSurface, SurfacePoints
 from ..vectors import dot
 from .flank import Flank, on_parts
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Curvatures:
     """Principal curvatures of a flank at n nodes."""
 
@@ -30,17 +26,13 @@ def shape_operator(flank: Flank) -> tuple[Array, Array, Array]:
     """
 
     def derivatives_on(surface: GeneratingSurface, parameters: Array) -> Array:
-        def position_and_normal(values: Array) -> Array:
-            position, normal, _ = surface.evaluate(values)
-            return np.concatenate([position, normal])
-
-        return complex_steps(position_and_normal, parameters)[1]
+        return SurfacePoints.of(surface, parameters).slopes
 
     with np.errstate(all="ignore"):
         derivatives = on_parts(
             flank.surface.flank_parts, flank.part.ravel(), flank.parameters.reshape(2, -1), derivatives_on
         )
-    tangents, turning = derivatives[:, :3].swapaxes(0, 1), derivatives[:, 3:].swapaxes(0, 1)
+    tangents, turning = derivatives[:, :3].swapaxes(0, 1), derivatives[:, 3:6].swapaxes(0, 1)
     first = np.einsum("ian,ibn->abn", tangents, tangents)
     second = np.einsum("ian,ibn->abn", turning, tangents)
     return tangents, first, 0.5 * (second + second.transpose(1, 0, 2))

@@ -13,15 +13,15 @@ First guesses of the surface parameters of a flank: its mean point, and a lattic
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 from functools import lru_cache
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, Bools, record
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface, SurfacePoints, axial_and_radial, points_at
 from ..newton import complex_steps, solve
@@ -136,11 +136,11 @@ class SeedLattice:
     """Surface parameters spread over the whole flank and somewhat beyond, as first guesses."""
 
     points: SurfacePoints  # the seeds (m), m = SEEDS^2
-    side: NDArray[np.bool_]  # on the same side of the surface as the mean point (m)
+    side: Bools  # on the same side of the surface as the mean point (m)
     orientation: float
     step: Array
 
-    def nearest(self, coordinates: Array, usable: NDArray[np.bool_], target: Array) -> SurfacePoints:
+    def nearest(self, coordinates: Array, usable: Bools, target: Array) -> SurfacePoints:
         """Usable seeds (n) whose coordinates (2, m) lie nearest to each target (2, n); NaN if none is usable.
 
         An envelope that folds twice covers targets a second time, on the mean point's side again: of near seeds on two
@@ -161,7 +161,7 @@ class SeedLattice:
         choice = np.where(np.any(apart > SHEET_DISTANCE, axis=1), best, 0)
         return self.points.at(seeds[np.arange(seeds.shape[0]), choice])
 
-    def strayed(self, start: Array, found: Array) -> NDArray[np.bool_]:
+    def strayed(self, start: Array, found: Array) -> Bools:
         """True for solutions (2, n) so far from their starts (2, n) that they belong to another sheet."""
         return np.asarray(np.any(np.abs(found - start) > STRAY_LIMIT * self.step[:, None], axis=0))
 
@@ -198,8 +198,7 @@ class NodeStatus(IntEnum):
     OUTSIDE_BLANK = 4
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Flank:
     """A flank on a set of nodes.
 
@@ -237,23 +236,12 @@ class Flank:
     blade_distance: Array
     status: NDArray[np.int8]
     part: NDArray[np.int8]
+    ARRAYS: ClassVar = ("parameters", "position", "normal", "blade_distance", "status", "part")
 
     @property
-    def inside(self) -> NDArray[np.bool_]:
+    def inside(self) -> Bools:
         """True where the node is a usable point of the flank (n)."""
         return np.asarray(self.status == NodeStatus.INSIDE)
-
-    def reshape(self, *shape: int) -> Flank:
-        """The same nodes in another arrangement."""
-        return replace(
-            self,
-            parameters=self.parameters.reshape(2, *shape),
-            position=self.position.reshape(3, *shape),
-            normal=self.normal.reshape(3, *shape),
-            blade_distance=self.blade_distance.reshape(shape),
-            status=self.status.reshape(shape),
-            part=self.part.reshape(shape),
-        )
 
 
 def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array, radial: Array) -> Flank:
@@ -270,15 +258,8 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
         )
         depths = turn * np.mod(azimuth - np.nanmedian(azimuth) + np.pi, 2 * np.pi)
     choice = deepest(parts, [f.blade_distance for f in flanks], list(depths))
-    return Flank(
-        surface,
-        pick([f.parameters for f in flanks], choice),
-        pick([f.position for f in flanks], choice),
-        pick([f.normal for f in flanks], choice),
-        pick([f.blade_distance for f in flanks], choice),
-        pick([f.status for f in flanks], choice),
-        choice,
-    )
+    picked = {name: pick([getattr(flank, name) for flank in flanks], choice) for name in Flank.ARRAYS}
+    return Flank(surface, **picked | {"part": choice})
 
 
 def solve_parts(surface: GeneratingSurface, section: BlankSection, axial: Array, radial: Array) -> tuple[Flank, ...]:

@@ -25,7 +25,6 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -33,8 +32,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.arrays import record
 from ...core.attributes import labelled
-from ...core.checks import array, file_path, frozen_arrays, instance, one_of, shown
+from ...core.checks import array, file_path, instance, one_of, shown
 from ...core.errors import InputError
 from ...core.output_file import whole_file
 from ...core.regular_file import LINE_LENGTH_LIMIT
@@ -396,8 +396,7 @@ WANTED = {
 EDGES = ("toe", "heel", "root", "tip")
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class DeviationTable:
     """Table of deviations."""
 

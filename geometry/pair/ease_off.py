@@ -18,8 +18,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, Bools, record
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface, SurfacePoints, points_at
 from ..flanks.blank_section import BlankSection
@@ -30,8 +29,7 @@ from .assembly import Assembly
 from .conjugate_motion import ConjugateMotion
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class EaseOff:
     """Ease-off of a pair at the nodes (n) of the gear flank, with the conjugate point of each on the pinion."""
 
@@ -55,7 +53,7 @@ class EaseOff:
     part: NDArray[np.int8]
 
     @property
-    def inside(self) -> NDArray[np.bool_]:
+    def inside(self) -> Bools:
         """True where gear node and conjugate pinion point both lie on their flanks (n)."""
         return np.asarray(self.status == NodeStatus.INSIDE)
 
@@ -117,10 +115,7 @@ def _gap_curvature(slopes: Array) -> tuple[Array, Array]:
 
 
 def exact_ease_off(
-    gear: Flank,
-    pinion_surface: GeneratingSurface,
-    pinion_section: BlankSection,
-    assembly: Assembly,
+    gear: Flank, pinion_surface: GeneratingSurface, pinion_section: BlankSection, assembly: Assembly
 ) -> EaseOff:
     """Ease-off and roll angle of a pair at the gear's nodes (n); NaN and a status without a conjugate point."""
     target, usable = _targets(gear)
@@ -165,14 +160,14 @@ def angle_near(motion: ConjugateMotion, start: Array, side: float, sheet: float,
     return np.where(known, -motion.pinion_sense * _turned(gear, point, known), np.nan), solution.parameters
 
 
-def _targets(gear: Flank) -> tuple[Array, NDArray[np.bool_]]:
+def _targets(gear: Flank) -> tuple[Array, Bools]:
     """Axial and radial coordinate of the gear nodes (2, n) [mm], and which nodes exist; the middle for the others."""
     target = np.stack([gear.position[2], np.hypot(gear.position[0], gear.position[1])])
     usable = np.all(np.isfinite(target), axis=0)
     return np.where(usable, target, target[:, usable].mean(axis=1, keepdims=True)) if np.any(usable) else target, usable
 
 
-def _turned(gear: Flank, point: Array, known: NDArray[np.bool_]) -> Array:
+def _turned(gear: Flank, point: Array, known: Bools) -> Array:
     """Azimuth of the gear nodes beyond that of the conjugate points (n) [rad], without jumps by a turn."""
     turned = np.arctan2(gear.position[1], gear.position[0]) - np.arctan2(point[1], point[0])
     reference = turned[np.argmax(known)]
@@ -225,12 +220,7 @@ def _sheet(jacobian: Array) -> Array:
 
 
 def classified(
-    motion: ConjugateMotion,
-    section: BlankSection,
-    gear: Flank,
-    points: SurfacePoints,
-    solved: NDArray[np.bool_],
-    side: float,
+    motion: ConjugateMotion, section: BlankSection, gear: Flank, points: SurfacePoints, solved: Bools, side: float
 ) -> EaseOff:
     """Evaluate everything at the pinion points found, and give every node a status."""
     position, normal, distance = points.position, points.normal, points.coordinate
@@ -323,8 +313,7 @@ def _across(tangents: Array, slopes: Array) -> Array:
     return np.asarray(np.sqrt((first * second - mixed**2) / squared))
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Drift:
     """Rates, by the pinion rotation, of the pinion point opposite a fixed gear point, at the nodes (n) [mm/rad]."""
 

@@ -172,11 +172,7 @@ def _by_settings(
 
 
 def pinion_gap_slopes(
-    geometry: PairGeometry,
-    settings: Sequence[PairSetting],
-    parameters: Array,
-    part: NDArray[np.int8],
-    rotation: Array,
+    geometry: PairGeometry, settings: Sequence[PairSetting], parameters: Array, part: NDArray[np.int8], rotation: Array
 ) -> Array:
     """Derivatives of the gap by the pinion's place, as a gear rotation (n, j) [rad].
 
@@ -211,11 +207,7 @@ def gear_gap_slopes(geometry: PairGeometry, settings: Sequence[PairSetting], gea
 
 
 def held_point_slopes(
-    geometry: PairGeometry,
-    settings: Sequence[PairSetting],
-    parameters: Array,
-    part: NDArray[np.int8],
-    rotation: Array,
+    geometry: PairGeometry, settings: Sequence[PairSetting], parameters: Array, part: NDArray[np.int8], rotation: Array
 ) -> tuple[Array, Array]:
     """Derivatives of the place of pinion points of held parameters (n).
 
@@ -238,15 +230,11 @@ def held_point_slopes(
 def _from_gear(
     known: KnownPair, pair: GearPair, parameters: Array, part: NDArray[np.int8], rotation: Array
 ) -> tuple[Array, Array, Array, float]:
-    """Points and normals of the pinion (6, n), and seen from the gear (3, n) each; rotation of the zero.
+    """Points and normals of the pinion (7, n), and seen from the gear (3, n) each; rotation of the zero.
 
     An error may move the gear along its axis.
     """
     there = known.motion(pair)
-
-    def both(surface: GeneratingSurface, p: Array) -> Array:
-        return np.concatenate(surface.evaluate(p)[:2])
-
-    points = on_parts(pair.pinion.loaded.flank_parts, part, parameters, both)
-    position, normal = there.turned(*pair.assembly.pinion_to_global(points[:3], points[3:]), rotation + there.center)
+    points = on_parts(pair.pinion.loaded.flank_parts, part, parameters, GeneratingSurface.rows)
+    position, normal = there.turned(*pair.assembly.pinion_to_global(points[:3], points[3:6]), rotation + there.center)
     return points, position - pair.assembly.gear_origin.reshape(3, 1), normal, there.center

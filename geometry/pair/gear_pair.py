@@ -9,9 +9,9 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from ...core.arrays import Array
+from ...core.arrays import Array, record
 from ...core.attributes import flag_attributes, labelled
-from ...core.checks import check_fields, frozen_arrays, instance, two_whole
+from ...core.checks import check_fields, instance, two_whole
 from ...core.errors import InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -273,8 +273,7 @@ def grid(nodes: tuple[int, int]) -> tuple[Array, Array]:
     return np.linspace(0.0, 1.0, along), np.linspace(0.0, 1.0, up)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class MemberGeometry:
     """Geometry of each member alone on one grid (nt), (nh) of fractions: no assembly error changes it."""
 

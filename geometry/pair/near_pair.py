@@ -15,9 +15,8 @@ from functools import cached_property, lru_cache
 from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools
 from ...core.checks import one_of
 from ..cutting.generating_surface import GeneratingSurface, SurfacePoints, axial_and_radial
 from ..cutting.named_settings import MODIFIED_ROLL_ORDERS, MOTION_PATTERN, get_setting, scale_of, with_settings
@@ -158,7 +157,7 @@ class KnownPair:
         return self.geometry.exact
 
     @cached_property
-    def _pinion_ends(self) -> NDArray[np.bool_]:
+    def _pinion_ends(self) -> Bools:
         """True where the pinion's blade ends nearer to the conjugate point than the gear's to the node (n)."""
         exact = self.exact
         parts = exact.motion.surface.flank_parts
@@ -256,11 +255,7 @@ class KnownPair:
         known = self.gear
 
         def values(surface: GeneratingSurface, parameters: Array) -> Array:
-            def of_part(part: GeneratingSurface, p: Array) -> Array:
-                position, normal, coordinate = part.evaluate(p)
-                return np.concatenate([position, normal, coordinate[None]])
-
-            return on_parts(surface.flank_parts, known.part, parameters, of_part)
+            return on_parts(surface.flank_parts, known.part, parameters, GeneratingSurface.rows)
 
         def place(surface: GeneratingSurface) -> Array:
             x, y, z = values(surface, known.parameters)[:3]

@@ -7,13 +7,12 @@ direction of the force in the plate's axes and the distance to the foot.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.polynomial import legendre
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, record
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -26,8 +25,7 @@ EDGE_THICKNESS_LIMIT = 0.1  # of the root thickness
 LEGENDRE_ORDERS = (5, 4)  # Legendre orders of the smooth surfaces through those nodes
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ShellCoordinates:
     """Feet of n contact forces on the middle surface of a tooth [mm]."""
 
@@ -37,8 +35,7 @@ class ShellCoordinates:
     direction: Array  # of the force (3, n): along the height, along the trace, away from its centre
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ToothBody:
     """One tooth of a member between its two flanks, as a plate along the tooth trace."""
 
@@ -104,10 +101,7 @@ def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: Gen
 
 
 def tooth_body(
-    section: BlankSection,
-    loaded: GeneratingSurface,
-    opposite: GeneratingSurface,
-    mean_angle: float,
+    section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface, mean_angle: float
 ) -> ToothBody:
     """Tooth between two flanks, of angular thickness ``mean_angle`` [rad] in the middle of the flank."""
     t, h = np.meshgrid(np.linspace(0, 1, COMPARISON_NODES[0]), np.linspace(0, 1, COMPARISON_NODES[1]), indexing="ij")

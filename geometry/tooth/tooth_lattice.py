@@ -27,10 +27,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays, instance, positive, two_whole, whole
+from ...core.arrays import Array, Integers, record
+from ...core.checks import instance, positive, two_whole, whole
 from ...core.errors import GeometryError, InputError
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth
@@ -86,8 +85,7 @@ class LatticeSize:
         )
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ToothLattice:
     """Nodes and bricks of one tooth on its body, in the member's frame.
 
@@ -134,26 +132,26 @@ class ToothLattice:
     """
 
     nodes: Array
-    cells: NDArray[np.int64]
-    column: NDArray[np.int64]
+    cells: Integers
+    column: Integers
     root_row: int
-    held: NDArray[np.int64]
+    held: Integers
     flank_normal: Array
     lengthwise: Array
     profile: Array
-    slot: NDArray[np.int64]
+    slot: Integers
     through: Array
     upward: Array
     body_bricks: int
-    body: NDArray[np.int64] = field(default_factory=lambda: np.empty((0, 0, 0), dtype=np.int64))
+    body: Integers = field(default_factory=lambda: np.empty((0, 0, 0), dtype=np.int64))
 
     @property
-    def flank(self) -> NDArray[np.int64]:
+    def flank(self) -> Integers:
         """Nodes (2 l + 1, 2 u + 1) on the loaded side, from the middle of the fillet to the tip."""
         return self.column[:, 0, self.root_row :]
 
     @property
-    def sides(self) -> NDArray[np.int64]:
+    def sides(self) -> Integers:
         """Nodes (2, 2 (l + 2 o) + 1, 2 d + 1) at the sides of the body, the loaded one first."""
         return np.stack([self.body[:, 0], self.body[:, -1]])
 
@@ -207,13 +205,13 @@ def numbered(
     )
 
 
-def layers(sections: NDArray[np.int64], plane: NDArray[np.int64]) -> NDArray[np.int64]:
+def layers(sections: Integers, plane: Integers) -> Integers:
     """Nodes (m, 3, 3, 3) of bricks between sections that begin at given nodes, on the cells of a plane lattice."""
     threes = np.lib.stride_tricks.sliding_window_view(sections, 3)[::2]
     return np.asarray((threes[:, None, :, None, None] + cells_of(plane)[:, None]).reshape(-1, 3, 3, 3))
 
 
-def cells_of(lattice: NDArray[np.int64]) -> NDArray[np.int64]:
+def cells_of(lattice: Integers) -> Integers:
     """Nodes (m, 3, 3) of the plane cells of a lattice (2 a + 1, 2 b + 1)."""
     windows = np.lib.stride_tricks.sliding_window_view(lattice, (3, 3))[::2, ::2]
     return np.asarray(windows.reshape(-1, 3, 3))
@@ -237,8 +235,7 @@ def with_middles(ends: Array) -> Array:
     return fractions
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class LatticeSpacing:
     """Ends and middles of the bricks of a tooth: an odd number of increasing fractions from 0 to 1 each."""
 
@@ -400,15 +397,7 @@ def _web_distances(sections: LatticeSections, floor: float, start: float, length
     return np.asarray(start + np.concatenate([[0.5 * first, first], rest]))
 
 
-__all__ = [
-    "DEPTH_PER_HEIGHT",
-    "SHELL_HINT",
-    "LatticeSize",
-    "ToothLattice",
-    "Web",
-    "tooth_lattice",
-    "usual_depth",
-]
+__all__ = ["DEPTH_PER_HEIGHT", "SHELL_HINT", "LatticeSize", "ToothLattice", "Web", "tooth_lattice", "usual_depth"]
 
 
 SURFACE_NODES = (25, 25)  # up the fillet and up the flank

@@ -18,9 +18,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
+from ...core.arrays import Array, record
 from ...core.attributes import flag_attributes, labelled
-from ...core.checks import frozen_arrays, two_whole
+from ...core.checks import two_whole
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -40,8 +40,7 @@ FILLET_STEP_LIMIT = np.array([0.05, 0.05])  # of both parameters, in Newton step
 STRIDE_HALVINGS = 3  # of a stride along the fillet that leads to no point
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ToothSide:
     """Fillet and flank of one side of a tooth, in the member's frame."""
 
@@ -101,12 +100,7 @@ def tooth_side(
     def whole(first: Array, rest: Array) -> Array:
         return np.concatenate([first[:, :, None], rest.reshape(3, *heights.shape)], axis=2)
 
-    return ToothSide(
-        fillet,
-        fillet_normal,
-        whole(joint, flank.position),
-        whole(fillet_normal[:, :, -1], flank.normal),
-    )
+    return ToothSide(fillet, fillet_normal, whole(joint, flank.position), whole(fillet_normal[:, :, -1], flank.normal))
 
 
 def _fillet(
@@ -401,8 +395,7 @@ def end_faces(member: Member) -> tuple[EndFace, EndFace]:
 LENGTHWISE_STEP = 1e-3  # of the face, over which the slope of the tooth line is taken
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class LandWidths:
     """Lands of one member (n) [mm]; NaN where a flank is undercut or missing."""
 

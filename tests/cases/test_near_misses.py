@@ -37,7 +37,7 @@ from easeoff.study.design.design_check import (
 from easeoff.study.summary.sweep_report import vh_table
 from easeoff.study.vh import write_vh_check
 from easeoff.verification.case_verification import closing
-from easeoff.verification.flank_rows import flank_rows
+from easeoff.verification.geometry_rows import flank_rows
 from easeoff.verification.verification_row import VerificationRow
 
 

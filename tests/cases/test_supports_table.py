@@ -26,7 +26,7 @@ from easeoff.cases import (
 from easeoff.cases.conversion import gear_pair, sections
 from easeoff.cases.reading import SUPPORT
 from easeoff.cases.schema.schema_table import Table
-from easeoff.contact.supports.shaft_support import ShaftSupports
+from easeoff.contact.supports.shaft import ShaftSupports
 from easeoff.contact.supports.support import ORIGIN, Support, Supports, shifted_wrench
 from easeoff.core.errors import InputError
 from easeoff.geometry.pair.gear_pair import pair_geometry

@@ -26,13 +26,7 @@ from easeoff.verification import (
     flank_response,
     flanks_in_mesh,
 )
-from easeoff.verification.flank_contact import (
-    edge_distance,
-    greatest_stretch_load,
-    line_directions,
-    line_stations,
-    stretch_load,
-)
+from easeoff.verification.flank_contact import greatest_stretch_load, line_directions, stretch_load
 from easeoff.verification.flank_response import thinner_edges
 from easeoff.verification.surface_cells import cells_on_line
 
@@ -281,9 +275,9 @@ def test_a_stretch_longer_than_the_line_bears_all_of_it() -> None:
     assert greatest_stretch_load(place, length, 0.0 * force, 8.0) == 0.0
 
 
-def test_a_contact_without_load_has_no_stations_and_no_load_per_length() -> None:
+def test_a_contact_without_load_has_no_stations_and_no_load_per_length(kept: Any) -> None:
     pair, contact = gear_pair(read_case("nasa-12x36")), FlankContact(0.0, [], [], [])
-    assert line_stations(pair, contact).shape == (6, 0)
+    assert kept.line_stations(pair, contact).shape == (6, 0)
     assert line_directions(contact) == []
     assert stretch_load(contact, 1.0) == 0.0
-    assert edge_distance(pair.gear.section, np.array([0.5, 1.0])) == 0.0
+    assert kept.edge_distance(pair.gear.section, np.array([0.5, 1.0])) == 0.0

@@ -39,10 +39,10 @@ def flank_patches(pair: GearPair, name: str, nodes: tuple[int, int]) -> dict[str
     t, h = np.meshgrid(np.linspace(0.0, 1.0, nodes[0]), np.linspace(0.0, 1.0, nodes[1]), indexing="ij")
     patches: dict[str, Array] = {}
     for side, flank in placed_flanks(getattr(pair, name), tooth_angle(pair, name)).items():
-        found = flank.at(*flank.section.points(t.ravel(), h.ravel())).reshape(*nodes)
-        points = np.moveaxis(found.position, 0, -1)
+        found = flank.at(*flank.section.points(t.ravel(), h.ravel()))
+        points, normals = (np.moveaxis(one.reshape(3, *nodes), 0, -1) for one in (found.position, found.normal))
         along, up = points[1:, :-1] - points[:-1, :-1], points[:-1, 1:] - points[:-1, :-1]
-        outward = np.sum(np.cross(along, up) * np.moveaxis(found.normal, 0, -1)[:-1, :-1]) > 0.0
+        outward = np.sum(np.cross(along, up) * normals[:-1, :-1]) > 0.0
         patches[side] = points if outward else points[::-1]
     return patches
 

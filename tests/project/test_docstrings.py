@@ -21,16 +21,13 @@ from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.compliance.spread_deflection import SpreadDeflection
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.evaluation.carrying_error import CarryingError
-from easeoff.contact.evaluation.unloaded_pattern import UnloadedPattern
+from easeoff.contact.evaluation.marking_print import UnloadedPattern
 from easeoff.contact.lines.mesh_lines import LoadedPlaces, tooth_ends
 from easeoff.contact.lines.monotone_cubic import MonotoneCubic
 from easeoff.contact.mesh_wrench import MeshWrenches, SupportModes
 from easeoff.contact.modification.modified_contact import ModifiedContact
 from easeoff.contact.segments import HeldMembers
-from easeoff.contact.supports.bearing import Bearing, StiffnessCurve
-from easeoff.contact.supports.shaft import Shaft
-from easeoff.contact.supports.shaft_section import ShaftSection
-from easeoff.contact.supports.shaft_support import ShaftSupport
+from easeoff.contact.supports.shaft import Bearing, Shaft, ShaftSection, ShaftSupport, StiffnessCurve
 from easeoff.geometry import pair_geometry
 from easeoff.study.case_in_mesh import CaseInMesh
 

@@ -45,20 +45,16 @@ from easeoff.verification import (
     VerificationRow,
     case_verification,
     envelope_condition,
-    flank_rows as flank_module,
+    geometry_rows,
     loaded_rows,
-    unloaded_rows,
-    unsplit_rows,
     verify,
 )
 from easeoff.verification.case_verification import cells, closing, difference_text, head_lines, meaning, row_lines
 from easeoff.verification.conventional_analysis import methods_compared, point_differences
 from easeoff.verification.envelope_condition import cutter_position
-from easeoff.verification.flank_rows import flank_rows
-from easeoff.verification.loaded_rows import LIMITS, Refinement, changes, convergence_rows, refinements
+from easeoff.verification.geometry_rows import conventional_rows, flank_rows, smallest_gap_rows
+from easeoff.verification.loaded_rows import LIMITS, Refinement, UnsplitContact, changes, convergence_rows, refinements
 from easeoff.verification.surface_cells import SegmentGaps, SurfaceCells, segment_gaps
-from easeoff.verification.unloaded_rows import conventional_rows, smallest_gap_rows
-from easeoff.verification.unsplit_rows import UnsplitContact
 from easeoff.verification.verification_row import not_applicable
 from easeoff.verification.verified_pair import VerifiedPair
 
@@ -176,7 +172,7 @@ def test_a_wrong_curvature_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
         right = principal_curvatures(flank)
         return replace(right, curvature=right.curvature * (1.0 + 1e-7))
 
-    monkeypatch.setattr(flank_module, "principal_curvatures", wrong)
+    monkeypatch.setattr(geometry_rows, "principal_curvatures", wrong)
     assert outside(flank_rows("pinion", flank, section)) == ["principal curvatures, pinion"]
 
 
@@ -215,7 +211,7 @@ def test_an_equation_without_a_solution_is_counted(pair: VerifiedPair, monkeypat
         lost[:3] = False
         return replace(both, contact=replace(both.contact, converged=lost))
 
-    monkeypatch.setattr(unloaded_rows, "methods_compared", missing)
+    monkeypatch.setattr(geometry_rows, "methods_compared", missing)
     rows = conventional_rows(pair)
     assert outside(rows) == ["conventional analysis"]
     assert rows[0].difference == 3
@@ -224,7 +220,7 @@ def test_an_equation_without_a_solution_is_counted(pair: VerifiedPair, monkeypat
 def test_contact_at_edges_alone_is_not_applicable(pair: VerifiedPair, monkeypatch: pytest.MonkeyPatch) -> None:
     right = methods_compared
     monkeypatch.setattr(
-        unloaded_rows, "methods_compared", lambda *given: replace(b := right(*given), inside=np.zeros_like(b.inside))
+        geometry_rows, "methods_compared", lambda *given: replace(b := right(*given), inside=np.zeros_like(b.inside))
     )
     assert [row.status.name for row in conventional_rows(pair)] == ["WITHIN", *["NOT_APPLICABLE"] * 5]
 
@@ -396,10 +392,10 @@ def solved(rotation: float, shares: list[float]) -> tuple[Any, list[FlankContact
 
 def test_differences_from_the_contact_without_the_split() -> None:
     loaded, contacts = solved(206.0, [0.72, 0.28])
-    assert unsplit_rows.rotation_differences(loaded, contacts) == [pytest.approx(0.03)]
-    assert max(unsplit_rows.share_differences(loaded, contacts)) == pytest.approx(0.02)
+    assert loaded_rows.rotation_differences(loaded, contacts) == [pytest.approx(0.03)]
+    assert max(loaded_rows.share_differences(loaded, contacts)) == pytest.approx(0.02)
     other = replace(contacts[0], pairs=[0, 2])
-    assert max(np.abs(unsplit_rows.share_differences(loaded, [other]))) == pytest.approx(0.3)
+    assert max(np.abs(loaded_rows.share_differences(loaded, [other]))) == pytest.approx(0.3)
 
 
 def test_line_load_is_compared_over_the_same_stretch(pair: VerifiedPair) -> None:
@@ -438,15 +434,15 @@ def test_line_load_is_compared_over_the_same_stretch(pair: VerifiedPair) -> None
         np.ones(80),
     )
     contact = FlankContact(2e-4, [0], [cells], [50.0 * length[two]])
-    found = unsplit_rows.line_load_difference(loaded, [contact], pair.flanks.splines)
+    found = loaded_rows.line_load_difference(loaded, [contact], pair.flanks.splines)
     assert found == pytest.approx(0.05, abs=2e-3)
 
 
 @pytest.mark.thorough
 def test_rows_of_the_contact_without_the_split(pair: VerifiedPair, monkeypatch: pytest.MonkeyPatch) -> None:
     """On few bricks: near enough to see that half the stiffness is wrong, and a shell with edges right."""
-    monkeypatch.setattr(unsplit_rows, "response_size", lambda *_, **__: FEW)
-    monkeypatch.setattr(unsplit_rows, "UNSPLIT_POSITIONS", 2)
+    monkeypatch.setattr(loaded_rows, "response_size", lambda *_, **__: FEW)
+    monkeypatch.setattr(loaded_rows, "UNSPLIT_POSITIONS", 2)
     with_edges = VerifiedPair.of(case(edge_contact=True), torques=TORQUE)
     soft = case(edge_contact=True)
     half = soft.pinion.material.model_copy(update={"elastic_modulus": 103000.0})
@@ -456,8 +452,8 @@ def test_rows_of_the_contact_without_the_split(pair: VerifiedPair, monkeypatch: 
         contact = UnsplitContact(one, cells_per_half_width=4.0)
         contact.__dict__["responses"] = UnsplitContact(with_edges).responses
         assert contact.responses[0].beyond_half_space.shape[0] > 0
-        monkeypatch.setattr(unsplit_rows, "materials", lambda _: (STEEL, STEEL))
-        rows = list(unsplit_rows.unsplit_rows(contact, {place: contact.solved(*place) for place in contact.places}))
+        monkeypatch.setattr(loaded_rows, "materials", lambda _: (STEEL, STEEL))
+        rows = list(loaded_rows.unsplit_rows(contact, {place: contact.solved(*place) for place in contact.places}))
         found.append([row.difference for row in rows])
     assert found[0][0] < 4.0
     assert found[1][0] > 10.0

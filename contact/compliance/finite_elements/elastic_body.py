@@ -19,10 +19,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....core.arrays import Array
-from ....core.checks import frozen_arrays
+from ....core.arrays import Array, Integers, record
 from ....core.errors import GeometryError
 from ..material import Material
 
@@ -67,7 +65,7 @@ def brick_gradients(corners: Array, gradients: Array) -> tuple[Array, Array]:
     return gradients @ np.linalg.inv(safe), determinant
 
 
-def require_right_way_round(nodes: Array, cells: NDArray[np.int64]) -> None:
+def require_right_way_round(nodes: Array, cells: Integers) -> None:
     """Refuse a brick that is turned inside out somewhere, as ``stiffness`` does, which takes them alike."""
     _, gradients = shape_functions(gauss_rule()[0])
     corners = nodes[cells.reshape(-1, 27)]
@@ -85,8 +83,8 @@ def _refuse_inside_out(corners: Array, determinant: Array) -> None:
 
 
 def brick_stiffness(
-    nodes: Array, cells: NDArray[np.int64], material: Material, functions: ShapeFunctions = shape_functions
-) -> tuple[NDArray[np.int64], Array]:
+    nodes: Array, cells: Integers, material: Material, functions: ShapeFunctions = shape_functions
+) -> tuple[Integers, Array]:
     """Nodes (m, q) with shape functions, and stiffness (m, 3 q, 3 q) [N/mm] of every brick, x y z of a node together.
 
     A ``GeometryError`` refuses a brick that is turned inside out somewhere.
@@ -115,7 +113,7 @@ def brick_stiffness(
 
 
 def stiffness(
-    nodes: Array, cells: NDArray[np.int64], material: Material, functions: ShapeFunctions = shape_functions
+    nodes: Array, cells: Integers, material: Material, functions: ShapeFunctions = shape_functions
 ) -> csc_array:
     """Stiffness matrix of a body of bricks (3 n, 3 n) [N/mm], x y z of a node together.
 
@@ -130,15 +128,14 @@ def stiffness(
     return csc_array((entries.ravel(), (rows, columns)), shape=(3 * len(nodes), 3 * len(nodes)))
 
 
-Integers = NDArray[np.int64]
+Integers = Integers
 BRICKS_PER_LEAF = 8  # of the smallest piece, whose bricks are joined at once
 SMALLER_HALF_MINIMUM = 0.4  # share of a piece's bricks, where its lattice allows it
 NO_NODES = np.empty(0, dtype=np.int64)
 COLUMNS_PER_SOLVE = 128  # loads; bounds the memory
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Elimination:
     """Displacements that were eliminated when pieces were joined."""
 
@@ -148,8 +145,7 @@ class Elimination:
     coupling: Array  # L^-1 times the stiffness between inner and border (n, m)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Substructures:
     """A factored body of bricks."""
 
@@ -309,7 +305,7 @@ def displacements(nodes: Integers) -> Integers:
     return np.asarray((3 * nodes[:, None] + np.arange(3)).ravel())
 
 
-def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction: Array) -> csc_array:
+def functionals(count: int, nodes: Integers, weights: Array, direction: Array) -> csc_array:
     """Displacements in given directions as columns (3 count, m); as loads, unit forces in these directions.
 
     Each is a sum over nodes (m, q) by shares (m, q), in one direction (m, 3) or one for every share (m, q, 3).
@@ -324,12 +320,7 @@ def functionals(count: int, nodes: NDArray[np.int64], weights: Array, direction:
 
 
 def elastic_body(
-    nodes: Array,
-    cells: NDArray[np.int64],
-    held: NDArray[np.int64],
-    material: Material,
-    *,
-    functions: ShapeFunctions = shape_functions,
+    nodes: Array, cells: Integers, held: Integers, material: Material, *, functions: ShapeFunctions = shape_functions
 ) -> Substructures:
     """Assemble and factor a body of bricks with some nodes held."""
     return substructures(cells, *brick_stiffness(nodes, cells, material, functions), held)

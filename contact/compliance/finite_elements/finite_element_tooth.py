@@ -20,9 +20,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....core.arrays import Array
+from ....core.arrays import Array, Integers
 from ....core.checks import number
 from ....core.errors import GeometryError, InputError
 from ....core.memory import require_memory
@@ -71,7 +70,7 @@ class SolidShell:
     Degrees of freedom are ordered (along, through, up, xyz), the last fastest.
     """
 
-    tooth: NDArray[np.int64]
+    tooth: Integers
     functions: Array  # values (l t u, m) at these
     factor: Array  # L; the stiffness is d^-1 L L^T d^-1, d the scale
     scale: Array
@@ -166,7 +165,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
     return np.ascontiguousarray(result.reshape(size, size))
 
 
-def body_stiffness(lattice: ToothLattice, joint: NDArray[np.int64], functions: Array, material: Material) -> Array:
+def body_stiffness(lattice: ToothLattice, joint: Integers, functions: Array, material: Material) -> Array:
     """Stiffness (3 r, 3 r) of the body alone against displacements of its joint with the tooth, as functions (n, r)."""
     cells = lattice.cells[: lattice.body_bricks]
     body = substructures(cells, *brick_stiffness(lattice.nodes, cells, material), lattice.held, joint)

@@ -20,10 +20,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....core.arrays import Array
-from ....core.checks import frozen_arrays
+from ....core.arrays import Array, Integers, record
 from ....geometry.tooth.tooth_lattice import ToothLattice
 from ....geometry.tooth.tooth_surface import EndFace
 from ..material import Material
@@ -37,8 +35,7 @@ SPREAD_POINT_COUNT = 8  # points over a brick on which a force is spread
 EIGENVALUE_RATIO_LIMIT = 1e-9  # of the greatest; what is below does not reach the digits of a force
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class SharedBody:
     """The body that all teeth (N) of a member share, in modes (q) on the nodes of a flank.
 
@@ -50,8 +47,7 @@ class SharedBody:
     coupling: Array  # with the tooth k pitches further (N, q, q)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class FlankCompliance:
     """Bending of one tooth between points of its loaded flank: Z^T Z [mm/N] between nodes, with Z the ``factor``."""
 
@@ -87,14 +83,14 @@ class FlankCompliance:
         return np.ascontiguousarray(np.concatenate(parts).T)
 
 
-def share_of_three(point: Array, count: int) -> tuple[NDArray[np.int64], Array, Array]:
+def share_of_three(point: Array, count: int) -> tuple[Integers, Array, Array]:
     """Nodes, shares and their slopes (n, 3 each) at points (n) counted in nodes along ``count`` of them."""
     brick = np.clip(np.floor(0.5 * point), 0, (count - 3) // 2).astype(np.int64)
     shares, slopes = quadratic(point - 2 * brick - 1)
     return 2 * brick[:, None] + np.arange(3), shares, slopes
 
 
-def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDArray[np.int64], Array]:
+def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[Integers, Array]:
     """Nodes and their shares (n, 9 each) of forces at points (2, n) of the flank; points beyond its ends move there."""
     rows = profile.shape[1]
     along = np.interp(np.clip(points[0], 0.0, 1.0), lengthwise, np.arange(lengthwise.size))
@@ -112,7 +108,7 @@ def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDAr
     return nodes.reshape(-1, 9), (section_shares[:, :, None] * shares[:, None, :]).reshape(-1, 9)
 
 
-def spread_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDArray[np.int64], Array]:
+def spread_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[Integers, Array]:
     """As ``flank_shares``, of forces spread evenly over the length of a brick along the face (n, 9 k each).
 
     So the stress next to a force does not depend on whether that is on a corner or in the middle of a brick.
@@ -131,7 +127,7 @@ def spread_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[NDA
 class Feet:
     """Points at which the normals of n flank nodes meet the middle surface of the tooth."""
 
-    nodes: NDArray[np.int64]
+    nodes: Integers
     shares: Array
     depth: Array  # from the flank (n) [mm]
 
@@ -150,7 +146,7 @@ def feet_of_normals(lattice: ToothLattice, *, in_tooth: bool = False) -> Feet:
     lowest = np.array([[0.0], [float(lattice.root_row) if in_tooth else 0.0]])
     highest = np.array([[count - 1.0], [rows - 1.0]])
 
-    def shares(point: Array) -> tuple[NDArray[np.int64], Array, Array, Array]:
+    def shares(point: Array) -> tuple[Integers, Array, Array, Array]:
         (i, along, d_along), (j, up, d_up) = (share_of_three(p, n) for p, n in zip(point, (count, rows), strict=True))
         nodes = middle[i[:, :, None], j[:, None, :]].reshape(-1, 9)
         products = [
@@ -195,8 +191,7 @@ FORCE_SETS_PER_BATCH = 512  # bounds the memory
 STRESS_COMPONENTS = ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class StressResponse:
     """Stress at the root of the loaded side under unit forces on the nodes (k) of the flank."""
 
@@ -239,7 +234,7 @@ class StressResponse:
         return tensor
 
 
-def _faces(lattice: ToothLattice) -> list[tuple[NDArray[np.int64], int, int]]:
+def _faces(lattice: ToothLattice) -> list[tuple[Integers, int, int]]:
     """Bricks on the loaded side's fillet (m, 3, 3, 3), the axis across their surface, and the end it is at."""
     rows = 2 * max(round(ROOT_BRICK_SHARE * (lattice.flank.shape[1] // 2)), 1) + 1
     # Not the bricks at toe and heel: the sharp corner where the tooth ends on its body has no stress of its own.

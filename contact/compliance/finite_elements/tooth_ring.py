@@ -19,9 +19,8 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....core.arrays import Array
+from ....core.arrays import Array, Integers
 from ....core.errors import GeometryError
 from ....geometry.pair.gear_pair import GearPair
 from ....geometry.tooth.tooth_flanks import MemberName, named_member
@@ -55,11 +54,7 @@ def pitch_angle(lattice: ToothLattice, teeth: int) -> float:
 
 
 def ring_compliance(
-    lattice: ToothLattice,
-    teeth: int,
-    material: Material,
-    loads: csc_array,
-    held: NDArray[np.int64],
+    lattice: ToothLattice, teeth: int, material: Material, loads: csc_array, held: Integers
 ) -> RingCompliance:
     """Compliance of all teeth of a member on one body, from a lattice of one pitch, mid slot to mid slot.
 
@@ -162,7 +157,7 @@ def body_modes(
     return lattice, modes_of(ring, single, nodal_areas(lattice), MODE_COUNT)
 
 
-def sector_of(lattice: ToothLattice, teeth: int) -> tuple[Array, NDArray[np.int64], NDArray[np.int64]]:
+def sector_of(lattice: ToothLattice, teeth: int) -> tuple[Array, Integers, Integers]:
     """One pitch with a pitch of plain body at either side: nodes, bricks and held nodes, as of a tooth of its own."""
     angle, nodes, cells = pitch_angle(lattice, teeth), [lattice.nodes], [lattice.cells]
     held_nodes, count = [lattice.body[:, :, 0].ravel()], len(lattice.nodes)
@@ -196,11 +191,7 @@ def modes_of(ring: RingCompliance, single: Array, areas: Array, count: int) -> d
     change[0] -= excess * weights[:, None] * weights
     vectors = np.linalg.eigh(np.einsum("kij,klj->il", change, change))[1][:, : -count - 1 : -1]
     loads = vectors * weights[:, None]
-    return {
-        "shapes": vectors.T / weights,
-        "coupling": loads.T @ ring.shared @ loads,
-        "own": loads.T @ excess @ loads,
-    }
+    return {"shapes": vectors.T / weights, "coupling": loads.T @ ring.shared @ loads, "own": loads.T @ excess @ loads}
 
 
 def nodal_areas(lattice: ToothLattice) -> Array:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
+from correction_loops import CORRECTION_LOOPS, loop_case
 from dissertation_figures import save_small
 from folders import GUIDES, IMAGES
 from generated_part import with_generated
 
 from easeoff import plot
 from easeoff.verification import CorrectionLoop, correction_loop
-from easeoff.verification.correction_loop import CORRECTION_LOOPS, greatest, loop_case
+from easeoff.verification.correction_loop import greatest
 
 PAGE = GUIDES / "corrections.md"
 PICTURE = IMAGES / "corrections" / "topography.png"

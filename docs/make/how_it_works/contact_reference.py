@@ -8,10 +8,14 @@ from functools import cache
 import numpy as np
 import xarray as xr
 from folders import DOCS
+from numpy.typing import NDArray
 
 import easeoff
 from easeoff.cases import gear_pair
-from easeoff.geometry import Misalignment
+from easeoff.geometry import BlankSection, GearPair, Misalignment
+from easeoff.verification import FlankContact
+
+Array = NDArray[np.float64]
 
 FOLDER = DOCS.parent / "tests" / "data" / "contact_reference"
 TORQUES = {"fm-11x41": (50.0, 250.0, 500.0), "fh-12x41-45": (50.0, 200.0, 500.0)}
@@ -123,3 +127,33 @@ def at_stations(loaded: xr.Dataset, kept: xr.Dataset) -> np.ndarray:
                 places, values = (here[n].values[own][order] for n in ("lengthwise", "pressure"))
                 result[k, at] = np.interp(there["lengthwise"].values[at], places, values, left=0.0, right=0.0)
     return result
+
+
+def line_stations(pair: GearPair, contact: FlankContact) -> Array:
+    """Stations (n) across the contact lines that carry load, at the greatest pressure, from ``contact_of_flanks``.
+
+    Rows (6, n): tooth pair, lengthwise and profile fraction, greatest pressure [MPa], line load [N/mm], distance from
+    toe, heel and tip of either member [mm].
+    """
+    columns = []
+    for tooth, cells, force in zip(contact.pairs, contact.cells, contact.force, strict=True):
+        pressure = force / cells.area
+        for station in np.unique(cells.station[force > 0.0]):
+            indices = np.flatnonzero(cells.station == station)
+            top = indices[np.argmax(pressure[indices])]
+            load = float(pressure[indices] @ cells.sides[indices, 1])
+            place = cells.gear_fractions[:, top]
+            edge = min(
+                edge_distance(pair.gear.section, place),
+                edge_distance(pair.pinion.section, cells.pinion_fractions[:, top]),
+            )
+            columns.append((tooth, *place, pressure[top], load, edge))
+    return np.array(columns).T.reshape(6, -1)
+
+
+def edge_distance(section: BlankSection, place: Array) -> float:
+    """Distance of a place (2), as fractions, from toe, heel and tip of its flank [mm]."""
+    corners = section.corners
+    height = np.linalg.norm(corners[:, 1] - corners[:, 0], axis=1) @ np.array([1.0 - place[0], place[0]])
+    length = np.linalg.norm(corners[1, 1] - corners[0, 1])
+    return float(min(place[0] * length, (1.0 - place[0]) * length, (1.0 - place[1]) * height))

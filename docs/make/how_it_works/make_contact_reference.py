@@ -22,6 +22,7 @@ from contact_reference import (
     analysed,
     away_from_edges,
     difference,
+    line_stations,
     reference,
     setting,
 )
@@ -49,7 +50,7 @@ from easeoff.verification import (
     flank_response,
     flanks_in_mesh,
 )
-from easeoff.verification.flank_contact import line_stations, response_size
+from easeoff.verification.flank_contact import response_size
 
 IMAGE = IMAGES / "finite_elements" / "contact_reference.png"
 EVERY = 2  # of the case's mesh positions

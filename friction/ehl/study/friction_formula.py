@@ -23,11 +23,10 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ....core import checks
-from ....core.arrays import RealArray as Array
-from ....core.checks import frozen_arrays
+from ....core.arrays import Bools, RealArray as Array, record
 from ....core.errors import InputError
 from ....core.output_file import check_writable, whole_file
 from ....core.regular_file import TOML_SIZE_LIMIT, parsed_json, read_text
@@ -36,7 +35,7 @@ from ...kolivand_formula import Flags, combined_flags
 from ..reynolds_equation import Status
 from .study_design import oil_75w90
 
-Bools = NDArray[np.bool_]
+Bools = Bools
 #: The variables, whose logarithms are the columns; where the range is concerned, roughness stands for the last.
 VARIABLES = ("hertz_pressure", "equivalent_radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
 #: Arguments of a formula, in their order.
@@ -75,8 +74,7 @@ class RegimeError:
     worst: float
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class FrictionFormula:
     """Fitted friction coefficient with its range and its errors.
 

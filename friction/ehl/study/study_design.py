@@ -148,15 +148,8 @@ class Design:
 
     @cached_property
     def _axes(self) -> tuple[tuple[Any, ...], ...]:
-        pairs = tuple(combinations_with_replacement(self.roughness, 2))
-        return (
-            self.hertz_pressure,
-            self.equivalent_radius,
-            self.rolling_velocity,
-            self.slide_to_roll,
-            self.temperature,
-            pairs,
-        )
+        *single, roughness = (getattr(self, field.name) for field in fields(self))
+        return (*single, tuple(combinations_with_replacement(roughness, 2)))
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -414,10 +407,7 @@ def _steady(film: Film, resolution: Resolution) -> Row:
     return (
         cost
         | (numbers if settled else {})
-        | {
-            "status": float(Status.CERTIFIED if settled else Status.NOT_CONVERGED),
-            "certified_share": float(settled),
-        }
+        | {"status": float(Status.CERTIFIED if settled else Status.NOT_CONVERGED), "certified_share": float(settled)}
     )
 
 

@@ -14,12 +14,7 @@ DepthTaper = Literal["standard", "uniform", "constant_slot_width", "modified_slo
 
 PROCESSES = ("face_milled", "face_hobbed")
 DEPTH_TAPERS = ("standard", "uniform", "constant_slot_width", "modified_slot_width")
-BACKLASHES = (
-    "outer_normal_backlash",
-    "outer_transverse_backlash",
-    "mean_normal_backlash",
-    "mean_transverse_backlash",
-)
+BACKLASHES = ("outer_normal_backlash", "outer_transverse_backlash", "mean_normal_backlash", "mean_transverse_backlash")
 DATA_TYPE_1 = (
     "profile_shift_coefficient",
     "basic_addendum_factor",

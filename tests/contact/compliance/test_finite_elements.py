@@ -30,7 +30,6 @@ from easeoff.contact.compliance.finite_elements.elastic_body import (
     substructures,
 )
 from easeoff.geometry import LatticeSize, ToothLattice, tooth_lattice
-from easeoff.verification.toothed_sector import serendipity_functions
 
 Array = NDArray[Any]
 COARSE = LatticeSize(5, 3, 2, 1, 1, 2)
@@ -61,6 +60,28 @@ def with_boundary_values(
     values = np.where(np.repeat(boundary, 3), field.ravel(), np.nan)
     values[free] = spsolve(matrix[free][:, free].tocsc(), -(matrix[free][:, given] @ field.ravel()[given]))
     return values.reshape(-1, 3)
+
+
+def serendipity_functions(points: Array) -> tuple[Array, Array]:
+    """Shape functions and gradients as ``elastic_body.shape_functions``, zero for seven nodes the brick lacks."""
+    values, gradients = shape_functions(points)
+    fewer = _serendipity()
+    return values @ fewer, np.einsum("nak,ab->nbk", gradients, fewer)
+
+
+@cache
+def _serendipity() -> Array:
+    """Values (27, 27) of the 20 functions at all 27 nodes, zero for the nodes they lack."""
+    points = np.stack(np.meshgrid(*[[-1.0, 0.0, 1.0]] * 3, indexing="ij"), axis=-1).reshape(27, 3)
+    values = np.zeros((27, 27))
+    for node, at in enumerate(points):
+        zero = np.flatnonzero(at == 0.0)
+        linear = np.prod(1.0 + np.delete(points, zero, axis=1) * np.delete(at, zero), axis=1)
+        if zero.size == 0:
+            values[:, node] = linear * (points @ at - 2.0) / 8.0
+        elif zero.size == 1:
+            values[:, node] = linear * (1.0 - points[:, zero[0]] ** 2) / 4.0
+    return values
 
 
 @pytest.mark.parametrize("functions", [serendipity_functions, shape_functions])

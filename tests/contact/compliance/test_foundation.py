@@ -8,6 +8,7 @@ import math
 import numpy as np
 import pytest
 from numpy.typing import ArrayLike, NDArray
+from thesis_shell import thesis_kinematics
 
 from easeoff import InputError
 from easeoff.contact import STEEL, ElasticFoundation, Material, Shell, ToothDimensions
@@ -20,7 +21,7 @@ from easeoff.contact.compliance.shell_kinematics import (
     five_field,
 )
 from easeoff.verification import shell_root_stress
-from easeoff.verification.shell_root_stress import notch_factor, root_section_forces, thesis_kinematics
+from easeoff.verification.shell_root_stress import notch_factor, root_section_forces
 
 FloatArray = NDArray[np.float64]
 RADIAL = (0.0, 0.0, 1.0)

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.sparse import csc_array
+from toothed_sector import toothed_sector
 
 from easeoff.cases import case_text, case_toml, gear_pair, parse_case, read_case
 from easeoff.contact import STEEL, MeshCycle
@@ -39,7 +40,6 @@ from easeoff.geometry import GearPair, LatticeSize, ToothLattice, pair_geometry,
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member
 from easeoff.geometry.tooth.tooth_lattice import Web
 from easeoff.geometry.vectors import rotate_z
-from easeoff.verification.toothed_sector import toothed_sector
 
 Array = NDArray[Any]
 SMALL = LatticeSize(3, 2, 2, 1, 0, 1, 1)

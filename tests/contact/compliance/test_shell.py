@@ -9,6 +9,7 @@ import pickle
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from thesis_shell import monomials, thesis_kinematics
 
 from easeoff import InputError
 from easeoff.contact import STEEL, ElasticFoundation, Material, Shell, ToothDimensions
@@ -20,7 +21,6 @@ from easeoff.contact.compliance.shell import (
     stiffness_matrix,
 )
 from easeoff.contact.compliance.shell_kinematics import DisplacementAssumption, five_field
-from easeoff.verification.shell_root_stress import monomials, thesis_kinematics
 
 FloatArray = NDArray[np.float64]
 RADIAL = (0.0, 0.0, 1.0)

@@ -10,10 +10,16 @@ import pytest
 from numpy.typing import NDArray
 
 from easeoff.contact import STEEL, Material
-from easeoff.contact.supports.bearing import Bearing, StiffnessCurve
-from easeoff.contact.supports.shaft import Beam, Shaft
-from easeoff.contact.supports.shaft_section import ShaftSection, shear_coefficient
-from easeoff.contact.supports.shaft_support import ShaftSupport, ShaftSupports
+from easeoff.contact.supports.shaft import (
+    Beam,
+    Bearing,
+    Shaft,
+    ShaftSection,
+    ShaftSupport,
+    ShaftSupports,
+    StiffnessCurve,
+    shear_coefficient,
+)
 from easeoff.contact.supports.support import ORIGIN, shifted_wrench
 from easeoff.core.errors import InputError
 from easeoff.geometry.pair.assembly import Assembly

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from correction_loops import CORRECTION_LOOPS, FORMATE, GENERATED, TILTED, loop_case
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from report_content import content
 from runs import output_of, refusal_of, small
@@ -54,14 +55,9 @@ from easeoff.study.summary.load_case_summary import load_case_notes
 from easeoff.study.summary.result_summary import result_notes
 from easeoff.verification import correction_loop
 from easeoff.verification.correction_loop import (
-    CORRECTION_LOOPS,
-    FORMATE,
-    GENERATED,
     SIDES,
-    TILTED,
     greatest,
     grids,
-    loop_case,
     measured,
     measured_case,
     views,

@@ -1,21 +1,105 @@
-"""Rows of the unloaded contact: five equations of conventional analysis, contact ellipse, smallest gap."""
+"""Rows of the geometry: flanks against the cutter's motion, unloaded contact against conventional analysis.
+
+Of one flank the envelope of the cutter by differences, and curvatures from two directions; of the unloaded contact five
+equations of conventional analysis, contact ellipse and smallest gap.
+
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
 from ..contact.lines.closest_approach import closest_approach
-from .conventional_analysis import BothMethods, line_differences, methods_compared, point_differences
-from .flank_rows import greatest
+from ..core.arrays import Array, Bools
+from ..geometry.cutting.generating_surface import GeneratingSurface
+from ..geometry.flanks.blank_section import BlankSection
+from ..geometry.flanks.curvature import principal_curvatures
+from ..geometry.flanks.flank import Flank, NodeStatus, on_parts
+from ..geometry.vectors import dot
+from .conventional_analysis import (
+    BothMethods,
+    directional_curvatures,
+    line_differences,
+    methods_compared,
+    point_differences,
+)
+from .envelope_condition import envelope_condition
 from .smallest_gap import smallest_envelope
 from .verification_row import VerificationRow, not_applicable
 from .verified_pair import VerifiedPair
+
+POSITION_LIMIT = 1e-11  # of the outer cone distance: 1e-9 mm at 100 mm
+NORMAL_LIMIT = 1e-10  # [rad]
+CURVATURE_LIMIT = 1e-8  # of the greater curvature
+LEFT_OUT = {
+    NodeStatus.NO_SOLUTION: "out of the cutter's reach",
+    NodeStatus.UNDERCUT: "undercut",
+    NodeStatus.BEYOND_BLADE_TIP: "beyond the blade tip",
+    NodeStatus.OUTSIDE_BLANK: "outside the blank",
+}
+SQUARE_LIMIT = 1e-6  # least squared sine between the two directions; below it rounding is all that is left
+
+
+def flank_rows(member: str, flank: Flank, section: BlankSection) -> list[VerificationRow]:
+    """Rows of one member's flank on the nodes of the analysis."""
+    usable = np.isfinite(flank.position[0])
+    nodes = f"{usable.sum()} of {usable.size} nodes{_others(flank, usable)}"
+    limit = POSITION_LIMIT * section.outer_cone_distance
+    condition = envelope_condition(flank)
+    carried = f"blade carried through the machine joint by joint, {nodes}"
+    moved = f"edge and cutting motion by differences, {nodes}"
+    rows = [
+        VerificationRow(f"flank position, {member}", carried, greatest(condition.position[usable]), limit, "mm"),
+        VerificationRow(f"flank normal, {member}", moved, greatest(condition.normal[usable]), NORMAL_LIMIT, "rad"),
+    ]
+    envelope = f"envelope condition, {member}"
+    if flank.surface.settings.generated:
+        compared = f"cutter's motion by differences, along the blade, {nodes}"
+        rows.append(VerificationRow(envelope, compared, greatest(condition.along_blade[usable]), limit, "mm"))
+    else:
+        rows.append(not_applicable(envelope, "cut without rolling: the blade itself sweeps the flank"))
+    return [*rows, _curvature(member, flank, usable, nodes)]
+
+
+def _others(flank: Flank, usable: Bools) -> str:
+    """Description of the nodes without a flank."""
+    left = flank.status[~usable]
+    phrases = [f"{np.count_nonzero(left == kind)} {words}" for kind, words in LEFT_OUT.items() if np.any(left == kind)]
+    return f" (the others: {', '.join(phrases)})" if phrases else ""
+
+
+def greatest(values: Array) -> float:
+    """Greatest magnitude; NaN if any value is NaN or there is none."""
+    return float(np.max(np.abs(values))) if values.size else float("nan")
+
+
+def _curvature(member: str, flank: Flank, usable: Bools, nodes: str) -> VerificationRow:
+    """Principal curvatures and torsion from two directions against the fundamental forms, over the greater one."""
+
+    def other(surface: GeneratingSurface, parameters: Array) -> Array:
+        curvatures = directional_curvatures(surface, parameters)
+        sine = dot(curvatures.across[0], curvatures.tangent[1])
+        return np.concatenate(
+            [curvatures.shape_operator().principal().curvature, [curvatures.torsion_residual(), sine]]
+        )
+
+    values = on_parts(flank.surface.flank_parts, flank.part, flank.parameters, other)[:, usable]
+    expected = principal_curvatures(flank).curvature[:, usable]
+    scale = np.max(np.abs(expected), axis=0)
+    difference = np.max(np.abs([*(values[:2] - expected), values[2]]), axis=0) / scale
+    # Two directions that nearly coincide tell one curvature only.
+    skew = values[3] ** 2 < SQUARE_LIMIT
+    left = f", {skew.sum()} left out whose directions coincide" if skew.any() else ""
+    quantity = f"principal curvatures, {member}"
+    compared = f"from two directions against the fundamental forms, {nodes}{left}"
+    return VerificationRow(quantity, compared, greatest(difference[~skew]), CURVATURE_LIMIT, "1")
+
 
 ERROR_LIMIT = 0.1  # [urad], of the transmission error
 PATH_LIMIT = 4e-4  # of the face width: the path is interpolated between 65 points of a line
 #: [%], of the relative curvature: the analysis takes it on the line, not at the closest approach beside it. A pressure
 #: changes half as much.
-CURVATURE_LIMIT = 4.0
+RELATIVE_CURVATURE_LIMIT = 4.0
 DIRECTION_LIMIT = 0.1  # [deg], of the contact line
 LENGTH_LIMIT = 0.5  # [%], of the contact line
 SEPARATIONS = (3.0, 1.5)  # [um] at the ends of the lines that are extrapolated to none
@@ -65,7 +149,7 @@ def _curvature_row(both: BothMethods) -> VerificationRow:
     exact = both.relative.across_line[inside]
     compared = f"from the roll angle against both members' curvatures, {inside.sum()} points"
     difference = 100.0 * greatest(curvature.ravel()[inside] / exact - 1.0)
-    return VerificationRow("relative curvature across the line", compared, difference, CURVATURE_LIMIT, "%")
+    return VerificationRow("relative curvature across the line", compared, difference, RELATIVE_CURVATURE_LIMIT, "%")
 
 
 def _line_rows(both: BothMethods) -> list[VerificationRow]:
