@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, overload
+from typing import TYPE_CHECKING
 
 import xarray as xr
 
@@ -18,20 +18,17 @@ from ...core.errors import InputError
 from ...geometry.deviation.corrective_settings import Correction
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..case_correction import CaseCorrection
-from .drawing_style import drawing
+from .drawing_style import drawing, picture
 from .drawn_result import require_result, views
 from .picture_files import FORMATS
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from .drawn_result import AxesChoice, DrawnAxes
+    from .drawn_result import AxesChoice
 
 
-@overload
-def ease_off(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
-@overload
-def ease_off(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
+@picture
 def ease_off(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     """Ease-off of the gear flank with the path of contact.
 
@@ -57,31 +54,12 @@ def ease_off(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     1
     """
     require_result(tree)
-    with drawing(axes):
-        from .ease_off_map import draw
+    from .ease_off_map import draw
 
-        figure = draw(tree, views(tree, "gear")[0], axes)
-    return figure if axes is None else None
+    return draw(tree, views(tree, "gear")[0], axes)
 
 
-@overload
-def contact_pattern(
-    tree: xr.DataTree,
-    *,
-    member: MemberName | None = None,
-    parts: str | Sequence[str] | None = None,
-    marking: float | None = None,
-    axes: None = None,
-) -> Figure: ...
-@overload
-def contact_pattern(
-    tree: xr.DataTree,
-    *,
-    member: MemberName | None = None,
-    parts: str | Sequence[str] | None = None,
-    marking: float | None = None,
-    axes: DrawnAxes,
-) -> None: ...
+@picture
 def contact_pattern(
     tree: xr.DataTree,
     *,
@@ -126,29 +104,12 @@ def contact_pattern(
     require_result(tree)
     if marking is not None:
         checked_thickness(marking)
-    with drawing(axes):
-        from .contact_pattern_chart import draw
+    from .contact_pattern_chart import draw
 
-        figure = draw(tree, views(tree, member), marking, parts, axes)
-    return figure if axes is None else None
+    return draw(tree, views(tree, member), marking, parts, axes)
 
 
-@overload
-def pressure(
-    tree: xr.DataTree,
-    *,
-    torque: float | Sequence[float] | None = None,
-    member: MemberName | None = None,
-    axes: None = None,
-) -> Figure: ...
-@overload
-def pressure(
-    tree: xr.DataTree,
-    *,
-    torque: float | Sequence[float] | None = None,
-    member: MemberName | None = None,
-    axes: DrawnAxes,
-) -> None: ...
+@picture
 def pressure(
     tree: xr.DataTree,
     *,
@@ -185,29 +146,12 @@ def pressure(
     ['100 N m, gear', '100 N m, pinion']
     """
     require_result(tree)
-    with drawing(axes):
-        from .mesh_cycle_charts import draw_pressure as draw
+    from .mesh_cycle_charts import draw_pressure as draw
 
-        figure = draw(tree, views(tree, member), torque, axes)
-    return figure if axes is None else None
+    return draw(tree, views(tree, member), torque, axes)
 
 
-@overload
-def transmission_error(
-    tree: xr.DataTree,
-    *,
-    torque: float | Sequence[float] | None = None,
-    parts: str | Sequence[str] | None = None,
-    axes: None = None,
-) -> Figure: ...
-@overload
-def transmission_error(
-    tree: xr.DataTree,
-    *,
-    torque: float | Sequence[float] | None = None,
-    parts: str | Sequence[str] | None = None,
-    axes: DrawnAxes,
-) -> None: ...
+@picture
 def transmission_error(
     tree: xr.DataTree,
     *,
@@ -247,17 +191,12 @@ def transmission_error(
     ('transmission error', 'under load, about its mean [µrad]')
     """
     require_result(tree)
-    with drawing(axes):
-        from .mesh_cycle_charts import draw_transmission_error as draw
+    from .mesh_cycle_charts import draw_transmission_error as draw
 
-        figure = draw(tree, torque, parts, axes)
-    return figure if axes is None else None
+    return draw(tree, torque, parts, axes)
 
 
-@overload
-def load_sharing(tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: None = None) -> Figure: ...
-@overload
-def load_sharing(tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: DrawnAxes) -> None: ...
+@picture
 def load_sharing(
     tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: AxesChoice = None
 ) -> Figure | None:
@@ -287,17 +226,12 @@ def load_sharing(
     '100 N m'
     """
     require_result(tree)
-    with drawing(axes):
-        from .mesh_cycle_charts import draw_load_sharing as draw
+    from .mesh_cycle_charts import draw_load_sharing as draw
 
-        figure = draw(tree, torque, axes)
-    return figure if axes is None else None
+    return draw(tree, torque, axes)
 
 
-@overload
-def misalignment(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
-@overload
-def misalignment(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
+@picture
 def misalignment(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     """Misalignment E, P, G and Sigma over the torque, and the centre of the pattern that moves with them.
 
@@ -332,31 +266,12 @@ def misalignment(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None
         raise InputError(
             "tree: its misalignment does not depend on the torque; give supports, or a table of deflections"
         )
-    with drawing(axes):
-        from .study_charts import draw_misalignment as draw
+    from .study_charts import draw_misalignment as draw
 
-        figure = draw(tree, axes)
-    return figure if axes is None else None
+    return draw(tree, axes)
 
 
-@overload
-def root_stress(
-    tree: xr.DataTree,
-    *,
-    torque: float | Sequence[float] | None = None,
-    member: MemberName | None = None,
-    parts: str | Sequence[str] | None = None,
-    axes: None = None,
-) -> Figure: ...
-@overload
-def root_stress(
-    tree: xr.DataTree,
-    *,
-    torque: float | Sequence[float] | None = None,
-    member: MemberName | None = None,
-    parts: str | Sequence[str] | None = None,
-    axes: DrawnAxes,
-) -> None: ...
+@picture
 def root_stress(
     tree: xr.DataTree,
     *,
@@ -400,17 +315,12 @@ def root_stress(
     4
     """
     require_result(tree, "root_stress")
-    with drawing(axes):
-        from .mesh_cycle_charts import draw_root_stress as draw
+    from .mesh_cycle_charts import draw_root_stress as draw
 
-        figure = draw(tree, torque, member, parts, axes)
-    return figure if axes is None else None
+    return draw(tree, torque, member, parts, axes)
 
 
-@overload
-def deviations(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
-@overload
-def deviations(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
+@picture
 def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     """Part of the ease-off that the deviations of both flanks add.
 
@@ -441,35 +351,12 @@ def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     require_result(tree)
     if "ease_off_change" not in tree["ease_off"]:
         raise InputError("tree: its flanks have no deviations; give analyze(..., deviations=...)")
-    with drawing(axes):
-        from .topography_chart import draw_deviations
+    from .topography_chart import draw_deviations
 
-        figure = draw_deviations(tree, views(tree, "gear")[0], axes)
-    return figure if axes is None else None
+    return draw_deviations(tree, views(tree, "gear")[0], axes)
 
 
-@overload
-def friction_maps(
-    tree: xr.DataTree,
-    *,
-    torque: float | None = None,
-    speed: float | None = None,
-    temperature: float | None = None,
-    roughness: float | None = None,
-    quantities: str | Sequence[str] | None = None,
-    axes: None = None,
-) -> Figure: ...
-@overload
-def friction_maps(
-    tree: xr.DataTree,
-    *,
-    torque: float | None = None,
-    speed: float | None = None,
-    temperature: float | None = None,
-    roughness: float | None = None,
-    quantities: str | Sequence[str] | None = None,
-    axes: DrawnAxes,
-) -> None: ...
+@picture
 def friction_maps(
     tree: xr.DataTree,
     *,
@@ -511,18 +398,13 @@ def friction_maps(
     'sliding velocity [m/s]'
     """
     require_result(tree, "loaded", "friction")
-    with drawing(axes):
-        from .friction_charts import draw_friction_maps as draw
+    from .friction_charts import draw_friction_maps as draw
 
-        conditions = {"torque": torque, "speed": speed, "temperature": temperature, "roughness": roughness}
-        figure = draw(tree, views(tree, "gear")[0], conditions, quantities, axes)
-    return figure if axes is None else None
+    conditions = {"torque": torque, "speed": speed, "temperature": temperature, "roughness": roughness}
+    return draw(tree, views(tree, "gear")[0], conditions, quantities, axes)
 
 
-@overload
-def efficiency(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
-@overload
-def efficiency(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+@picture
 def efficiency(
     tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None
 ) -> Figure | None:
@@ -552,11 +434,9 @@ def efficiency(
     2
     """
     require_result(tree, "loaded", "friction")
-    with drawing(axes):
-        from .friction_charts import draw_efficiency as draw
+    from .friction_charts import draw_efficiency as draw
 
-        figure = draw(tree, parts, axes)
-    return figure if axes is None else None
+    return draw(tree, parts, axes)
 
 
 def topography(

@@ -17,8 +17,7 @@ if TYPE_CHECKING:
 
     from .tooth_view import ToothView
 
-    DrawnAxes: TypeAlias = Axes | Iterable[Axes]
-    AxesChoice: TypeAlias = DrawnAxes | None
+    AxesChoice: TypeAlias = Axes | Iterable[Axes] | None
 
 #: What makes a group that not every result has.
 MADE_BY = {

@@ -3,27 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
 from ...core.checks import instance
 from ...core.errors import InputError
 from ..sweep.sweep_file import is_sweep
-from .drawing_style import drawing
+from .drawing_style import picture
 from .drawn_result import require_result, views
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from .drawn_result import AxesChoice, DrawnAxes
+    from .drawn_result import AxesChoice
 
 
-@overload
-def load_cases(tree: xr.DataTree, *, axes: None = None) -> Figure: ...
-@overload
-def load_cases(tree: xr.DataTree, *, axes: DrawnAxes) -> None: ...
+@picture
 def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     """Pattern, pressure, transmission error, power loss and damage of load cases, a row each.
 
@@ -53,21 +50,12 @@ def load_cases(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     3
     """
     require_result(tree, "load_cases")
-    with drawing(axes):
-        from .study_charts import draw_load_cases as draw
+    from .study_charts import draw_load_cases as draw
 
-        figure = draw(tree, axes)
-    return figure if axes is None else None
+    return draw(tree, axes)
 
 
-@overload
-def sweep(
-    dataset: xr.Dataset, picture: str | None = None, *, names: str | Sequence[str] | None = None, axes: None = None
-) -> Figure: ...
-@overload
-def sweep(
-    dataset: xr.Dataset, picture: str | None = None, *, names: str | Sequence[str] | None = None, axes: DrawnAxes
-) -> None: ...
+@picture
 def sweep(
     dataset: xr.Dataset,
     picture: str | None = None,
@@ -107,17 +95,12 @@ def sweep(
     """
     if not is_sweep(dataset):
         raise InputError("dataset: must be of easeoff.sweep or study.sweep.read_sweep")
-    with drawing(axes):
-        from .study_charts import draw_sweep as draw
+    from .study_charts import draw_sweep as draw
 
-        figure = draw(dataset, picture, names, axes)
-    return figure if axes is None else None
+    return draw(dataset, picture, names, axes)
 
 
-@overload
-def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
-@overload
-def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+@picture
 def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure | None:
     """Marking prints of a V-H check at toe, middle and heel, and over the grid of V and H.
 
@@ -146,17 +129,12 @@ def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axe
     instance("found", found, xr.Dataset)
     if "print_excess" not in found or "in_plane" not in found:
         raise InputError("found: must be of 'easeoff vh' or study.vh_check")
-    with drawing(axes):
-        from .vh_chart import draw
+    from .vh_chart import draw
 
-        figure = draw(found, parts, axes)
-    return figure if axes is None else None
+    return draw(found, parts, axes)
 
 
-@overload
-def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
-@overload
-def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+@picture
 def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure | None:
     """Wear of both flanks at the end, and depth, transmission error and pressure over the revolutions.
 
@@ -188,17 +166,12 @@ def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes:
     instance("history", history, xr.Dataset)
     if "wear_depth" not in history or "revolutions" not in history:
         raise InputError("history: must be of 'easeoff wear' or study.wear")
-    with drawing(axes):
-        from .study_charts import draw_wear as draw
+    from .study_charts import draw_wear as draw
 
-        figure = draw(history, parts, axes)
-    return figure if axes is None else None
+    return draw(history, parts, axes)
 
 
-@overload
-def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: None = None) -> Figure: ...
-@overload
-def optimization(tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: DrawnAxes) -> None: ...
+@picture
 def optimization(
     tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None
 ) -> Figure | None:
@@ -230,17 +203,12 @@ def optimization(
     1
     """
     require_result(tree, "loaded", "optimization", "modification")
-    with drawing(axes):
-        from .topography_chart import draw_optimization
+    from .topography_chart import draw_optimization
 
-        figure = draw_optimization(tree, views(tree, "gear")[0], parts, axes)
-    return figure if axes is None else None
+    return draw_optimization(tree, views(tree, "gear")[0], parts, axes)
 
 
-@overload
-def front(tree: xr.DataTree, *, others: Mapping[str, NDArray[Any]] | None = None, axes: None = None) -> Figure: ...
-@overload
-def front(tree: xr.DataTree, *, others: Mapping[str, NDArray[Any]] | None = None, axes: DrawnAxes) -> None: ...
+@picture
 def front(
     tree: xr.DataTree, *, others: Mapping[str, NDArray[Any]] | None = None, axes: AxesChoice = None
 ) -> Figure | None:
@@ -268,8 +236,6 @@ def front(
     easeoff.core.errors.InputError: tree: the result has no group 'front': 'easeoff optimize --form pareto' makes it
     """
     require_result(tree, "loaded", "front", "optimal_settings")
-    with drawing(axes):
-        from .study_charts import draw_front
+    from .study_charts import draw_front
 
-        figure = draw_front(tree, others or {}, axes)
-    return figure if axes is None else None
+    return draw_front(tree, others or {}, axes)
