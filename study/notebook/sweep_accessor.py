@@ -240,8 +240,5 @@ def sweep_page(dataset: xr.Dataset) -> str:
     parts = [f"<h4>{html_text(sweep_title(dataset))}</h4>"]
     parts.append(html_table([], [list(row) for row in sweep_head(dataset)]))
     parts += [f"<p>{html_text(line)}</p>" for line in (outcome(dataset), *failure_reasons(dataset))]
-    for table in sweep_tables(dataset):
-        parts += [f"<p><b>{html_text(table.title)}</b></p>", html_table(table.heads, table.rows)]
-        if table.note:
-            parts.append(f"<p>{html_text(table.note)}</p>")
+    parts += [table.html() for table in sweep_tables(dataset)]
     return "<div>\n" + "\n".join(parts) + "\n</div>"

@@ -30,7 +30,7 @@ from ...friction import FrictionModel
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...friction.operation import named_models
 from ..summary.plausibility import TOLD_SHARE, range_notes
-from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS
+from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS, MEAN_ROUGHNESS, roughness_words
 from .contact_pattern_chart import (
     drop_short,
     number_lines,
@@ -204,8 +204,7 @@ def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
 
 def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
     """RMS roughness [um] of a number as pictures show it: pinion/gear if the flanks differ."""
-    pinion, gear = (float(friction[f"roughness_{member}"].values[index]) for member in ("pinion", "gear"))
-    return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
+    return f"{roughness_words(friction, index)} µm"
 
 
 def draw_friction_maps(
@@ -306,7 +305,7 @@ def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
     names = [roughness_name(quantity, int(index)).removesuffix(" µm") for index in indices]
     if not any("/" in name for name in names):
         return
-    label = "quadratic mean of both flanks' RMS roughnesses [µm]"
+    label = MEAN_ROUGHNESS
     if values.size <= ROUGHNESS_TICK_LIMIT and np.all(np.diff(values) > TICK_DISTANCE * np.ptp(values)):
         axes.set_xticks(values, names)
         label = "RMS roughness, pinion/gear where they differ [µm]"

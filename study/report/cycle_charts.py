@@ -14,11 +14,20 @@ from ...contact.evaluation.tooth_passage import unloaded_curves
 from ...core.arrays import Array
 from ...core.attributes import ordered
 from ..summary.plausibility import TOLD_SHARE
-from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS
+from ..summary.quantities import (
+    CONDITION_LABELS,
+    CONDITION_UNITS,
+    FRICTION,
+    LOADED,
+    MEAN_ROUGHNESS,
+    WEAR_DEPTH,
+    Quantity,
+    roughness_words,
+)
 from ..summary.supports_report import SHARES, bearing_loads
 from .packed_array import packed_exactly
 
-LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
+OVER, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
 CYCLE = "mesh position"
 ROTATION, TORQUE, REVOLUTIONS = "rotation of the gear [µrad]", CONDITION_LABELS["torque"], "revolutions of the pinion"
 
@@ -37,6 +46,17 @@ class ChartKind:
     by: str = "torque"
 
 
+def _title(quantity: Quantity) -> str:
+    return quantity.label[0].upper() + quantity.label[1:]
+
+
+def _of(quantity: Quantity, source: str, x: str = CYCLE, by: str = "torque") -> ChartKind:
+    """What a chart of a quantity shows."""
+    return ChartKind(_title(quantity), f"[{quantity.unit}]" if quantity.unit else "", source, x, by)
+
+
+#: Numbers of the loaded contact that results are compared by over torque.
+OVER_TORQUE = ("peak_to_peak", "max_pressure", "contact_ratio", "mean_mesh_stiffness")
 CHARTS = {
     "te_unloaded": ChartKind(
         "Transmission error without load", ROTATION, "unloaded/transmission_error", "mesh cycles", ""
@@ -50,7 +70,7 @@ CHARTS = {
         "Transmission error over torque", "[µrad]", "loaded/peak_to_peak, loaded/harmonic", TORQUE, ""
     ),
     "load_share": ChartKind("Load share", "share of the torque [%]", "loaded/load_share", by="only"),
-    "max_pressure": ChartKind("Greatest pressure", "[MPa]", "loaded/pressure"),
+    "max_pressure": _of(LOADED["max_pressure"], "loaded/pressure"),
     "mesh_stiffness": ChartKind("Mesh stiffness", "[N m/µrad]", "loaded/mesh_stiffness"),
     "edge_share": ChartKind("Share of the load on tooth edges", "[%]", "loaded/edge_share"),
     "rotation_parts": ChartKind(
@@ -69,20 +89,20 @@ CHARTS = {
     "friction_coefficient": ChartKind(
         "Friction coefficient, mean weighted by force", "", "friction/friction_coefficient"
     ),
-    "film_thickness": ChartKind("Least film thickness", "[µm]", "friction/film_thickness"),
-    "flash_temperature": ChartKind("Greatest flash temperature", "[K]", "friction/flash_temperature"),
+    "film_thickness": _of(FRICTION["min_film_thickness"], "friction/film_thickness"),
+    "flash_temperature": _of(FRICTION["max_flash_temperature"], "friction/flash_temperature"),
     "sliding": ChartKind("Sliding velocity, mean weighted by force", "[m/s]", "friction/sliding_velocity"),
-    "pv": ChartKind("Greatest pressure × sliding velocity", "[MPa m/s]", "loaded/pressure × friction/sliding_velocity"),
-    "power_loss": ChartKind("Power loss", "[W]", "friction/mesh_power_loss"),
+    "pv": _of(FRICTION["max_pressure_velocity"], "loaded/pressure × friction/sliding_velocity"),
+    "power_loss": _of(FRICTION["mean_power_loss"], "friction/mesh_power_loss"),
     **{
         f"efficiency_{name}": ChartKind(
             f"Efficiency over {label.partition(' [')[0]}", "[%]", "friction/efficiency", label, ""
         )
         for name, label in CONDITION_LABELS.items()
     },
-    "wear_depth": ChartKind("Greatest depth of wear", "[µm]", "largest_depth", REVOLUTIONS, ""),
-    "wear_error": ChartKind("Transmission error, peak to peak", "[µrad]", "peak_to_peak", REVOLUTIONS, ""),
-    "wear_pressure": ChartKind("Greatest pressure", "[MPa]", "max_pressure", REVOLUTIONS, ""),
+    "wear_depth": _of(WEAR_DEPTH, "largest_depth", REVOLUTIONS, ""),
+    "wear_error": _of(LOADED["peak_to_peak"], "peak_to_peak", REVOLUTIONS, ""),
+    "wear_pressure": _of(LOADED["max_pressure"], "max_pressure", REVOLUTIONS, ""),
 }
 
 
@@ -157,29 +177,28 @@ def over_torque(tree: xr.DataTree) -> dict[str, Any]:
     """Courses of the main numbers over torque, by name; efficiency at the middle speed, temperature and roughness."""
     groups = {name: tree[name].to_dataset() for name in ("loaded", "friction") if name in tree.children}
     courses = {}
-    for group, variable, title, unit, factor in (
-        ("loaded", "peak_to_peak", "Transmission error, peak to peak,", "µrad", 1.0),
-        ("loaded", "max_pressure", "Greatest pressure", "MPa", 1.0),
-        ("loaded", "contact_ratio", "Contact ratio", "", 1.0),
-        ("loaded", "mean_mesh_stiffness", "Mesh stiffness", "N m/µrad", 1.0),
-        ("friction", "efficiency", "Efficiency", "%", 100.0),
+    for group, variable, quantity in (
+        *(("loaded", name, LOADED[name]) for name in OVER_TORQUE),
+        ("friction", "efficiency", FRICTION["efficiency"]),
     ):
         if group not in groups or variable not in groups[group]:
             continue
         values = groups[group][variable].sortby("torque")
         conditions = []
-        for name in values.dims:
+        for name in map(str, values.dims):
             if name != "torque":
-                values = values.isel({name: int(np.argsort(values[name].values)[(values.sizes[name] - 1) // 2])})
-                conditions += [f"{values[name].item():g} {CONDITION_UNITS[str(name)]}"]
+                middle = int(np.argsort(values[name].values)[(values.sizes[name] - 1) // 2])
+                values = values.isel({name: middle})
+                shown = roughness_words(groups[group], middle) if name == "roughness" else f"{values[name].item():g}"
+                conditions += [f"{shown} {CONDITION_UNITS[name]}"]
         if np.any(np.isfinite(values.values)):
             courses[variable] = {
-                "title": title,
+                "title": _title(quantity) + "," * ("," in quantity.label),
                 "at": ", ".join(conditions),
-                "unit": unit,
+                "unit": quantity.unit,
                 "source": f"{group}/{variable}",
                 "x": packed_exactly(values["torque"].values),
-                "y": packed_exactly(factor * values.values),
+                "y": packed_exactly(quantity.factor * values.values),
             }
     return courses
 
@@ -194,7 +213,7 @@ def transmission_error_charts(
     loaded = tree["loaded"].to_dataset()
     orders, torques = loaded["order"].values.astype(float), loaded["torque"].values
     names = _torque_names(torques[chosen])
-    error = ordered(loaded, "transmission_error", *LOADED)[chosen]
+    error = ordered(loaded, "transmission_error", *OVER)[chosen]
     course, times, lowest = unloaded_curves(tree["unloaded"].to_dataset())
     about = [value - np.mean(value[np.isfinite(value)]) if np.any(np.isfinite(value)) else value for value in error]
     harmonic = ordered(loaded, "harmonic", "torque", "order")
@@ -216,7 +235,7 @@ def contact_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, An
     """Load shares, greatest pressure, mesh stiffness and share on edges over the mesh cycle."""
     loaded = tree["loaded"].to_dataset()
     names = _torque_names(loaded["torque"].values[chosen])
-    share = 100.0 * ordered(loaded, "load_share", *LOADED, "pair")[chosen]
+    share = 100.0 * ordered(loaded, "load_share", *OVER, "pair")[chosen]
     pairs = loaded["pair"].values
     shares = [
         (f"{name}, pair {pair:g}", *_passage(share[i], pairs, int(p)))
@@ -230,7 +249,7 @@ def contact_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, An
     ]
     for variable, factor in (("mesh_stiffness", 1.0), ("edge_share", 100.0)):
         if variable in loaded:
-            values = factor * ordered(loaded, variable, *LOADED)[chosen]
+            values = factor * ordered(loaded, variable, *OVER)[chosen]
             if variable != "edge_share" or np.any(np.nan_to_num(values) > 0.0):
                 charts.append(_course(variable, names, values))
     return charts
@@ -241,7 +260,7 @@ def supports_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, A
     group = tree["supports"].to_dataset()
     torques = group["torque"].values
     rank = np.argsort(torques)
-    parts = [(n, torques[rank], ordered(group, v, *LOADED).mean(axis=1)[rank]) for n, v in SHARES.items()]
+    parts = [(n, torques[rank], ordered(group, v, *OVER).mean(axis=1)[rank]) for n, v in SHARES.items()]
     charts = [chart("rotation_parts", parts)] if torques.size > 1 else []
     names, radial, axial = bearing_loads(tree)
     place = np.argsort(rank)[chosen]  # these rise with the torque
@@ -295,7 +314,7 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
         charts.append(_course("sliding", names, mean(table)[chosen]))
         charts.append(_course("pv", names, _greatest(table * pressure)[chosen]))
     if "mesh_power_loss" in subset:
-        charts.append(_course("power_loss", names, subset["mesh_power_loss"].transpose(*LOADED).values[chosen]))
+        charts.append(_course("power_loss", names, subset["mesh_power_loss"].transpose(*OVER).values[chosen]))
     efficiency = 100.0 * friction["efficiency"]
     for along in ("torque", "speed", "temperature", "roughness"):
         by = "speed" if along == "torque" else "torque"
@@ -307,6 +326,8 @@ def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int])
         words = CONDITION_UNITS[by]
         series = [(f"{curves[by].values[i]:g} {words}", curves[along].values, curves.values[i]) for i in rows]
         charts.append(chart(f"efficiency_{along}", series))
+        if along == "roughness" and np.any(friction["roughness_pinion"].values != friction["roughness_gear"].values):
+            charts[-1]["x"] = MEAN_ROUGHNESS
     return charts
 
 

@@ -321,7 +321,7 @@ def modification_part(tree: xr.DataTree) -> dict[str, Any] | None:
                     "title": f"Before → after, {assembly_title(assembly, number)}",
                     "heads": ["", *(f"{torque:g} N m" for torque in record["torque"].values), "variable"],
                     "rows": [
-                        [label.replace("[urad]", "[µrad]"), *changes, f"optimization/{name}"]
+                        [label, *changes, f"optimization/{name}"]
                         for name, label, changes in assembly_rows(assembly, " → ")
                     ],
                 }

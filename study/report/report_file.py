@@ -32,9 +32,11 @@ from ..plot.page import evenly_chosen
 from ..plot.tooth_view import tooth_view
 from ..result import checked_result, read_result
 from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, require_layout
+from ..summary.deflection_report import deflection_tables
+from ..summary.quantities import roughness_words
 from ..summary.result_summary import head_rows, result_notes
 from ..summary.supports_report import supports_tables
-from ..summary.sweep_report import SIGNS, reasons, totals, vh_rows
+from ..summary.sweep_report import SIGNS, places_table, reasons, totals
 from ..summary.table import with_signs
 from ..sweep.sweep_file import MARK
 from . import cycle_charts, flank_pictures
@@ -47,7 +49,6 @@ from .report_tables import (
     load_case_rows,
     loaded_numbers,
     mean_pitch_radius,
-    misalignment_rows,
     unloaded_numbers,
 )
 from .stored_case import stored_case
@@ -170,8 +171,6 @@ def _require_kind(name: str, kind: str) -> None:
 
 COARSER = 2  # prints of the grid, which are drawn small
 MARGIN = 0.04  # around a print, of its length
-HEADS = ("", "V [mm]", "H [mm]", "centre at toe, root [%]", "from, to toe [%]", "height [%]", "peak to peak [µrad]")
-VARIABLES = "v, h, pattern_centre_lengthwise, pattern_centre_profile, pattern_from, pattern_to, pattern_height"
 
 
 def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
@@ -179,7 +178,6 @@ def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
     plane = ordered(found, "in_plane", "plane_axis", *GRID)
     (left, bottom), (right, top) = plane.min(axis=(1, 2)), plane.max(axis=(1, 2))
     margin = MARGIN * (right - left)
-    rows = [[*row, *[""] * (len(HEADS) - len(row))] for row in vh_rows(found)]
     return {
         "name": name,
         "title": str(found.attrs.get("title", "")),
@@ -192,7 +190,7 @@ def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
                 "common": [],
             }
         },
-        "table": {"heads": list(HEADS), "rows": rows, "variables": [*VARIABLES.split(", "), "peak_to_peak"]},
+        "table": places_table(found).page(),
         "total": "; ".join([totals(found), *SIGNS]),
         "reasons": reasons(found),
         "places": [_place(found.sel(place=place)) for place in found["place"].values],
@@ -348,7 +346,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "flank": str(tree.attrs["flank"]),
         "head": [[left, with_signs(printable(right))] for left, right in [*head_rows(tree), *_analysed(tree)]],
         "notes": [with_signs(printable(note)) for note in result_notes(tree)],
-        "misalignment": misalignment_rows(tree),
+        "misalignment": [list(row) for table in deflection_tables(tree) for row in table.rows],
         "case": [] if case is None else case_tables(case),
         "unloaded_numbers": unloaded_numbers(tree),
         "loaded_numbers": under_load,
@@ -388,7 +386,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         content["charts"]["friction"] = cycle_charts.friction_charts(tree, chosen, middle)
         content["friction"] = {
             "models": printable(named_models(friction.attrs)),
-            "condition": condition,
+            "condition": condition | {"roughness": roughness_words(friction, middle["roughness"])},
             "speeds": friction["speed"].values[speeds].tolist(),
             "fields": flank_pictures.friction_fields(tree, chosen, speeds, at, views[0]),
             "map": cycle_charts.efficiency_map(friction, middle),

@@ -23,10 +23,10 @@ from ...geometry.pair.gear_pair import MEMBERS, GearPair, thickness_per_angle
 from ...geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
 from ...geometry.tooth.tooth_flanks import named_member, placed_flanks, tooth_angle
 from ..analysis.key_numbers import key_numbers
-from ..summary.deflection_report import mean_misalignment
+from ..result_layout import CONDITIONS
 from ..summary.load_case_summary import duty_lines, load_case_notes, load_case_tables
-from ..summary.quantities import FRICTION, LOADED, UNLOADED, written
-from ..summary.result_summary import end_name
+from ..summary.quantities import EDGE_SHARE, FRICTION, LOADED, ROOT_STRESS, UNLOADED, roughness_words, written
+from ..summary.result_summary import condition_words, end_name
 from ..summary.table import with_signs
 
 SIDES = ("concave", "convex")
@@ -175,14 +175,15 @@ def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any
         ends = [end_name(value) for value in numbers["max_pressure_line_end"].values]
         rows.append(["greatest pressure, inside or where its line ends", "", "loaded/max_pressure_line_end", *ends])
     if "max_edge_share" in numbers:
-        shares = [written(100.0 * v, ".1f") for v in numbers["max_edge_share"].values]
-        rows.append(["greatest share on tooth edges", "%", "loaded/edge_share", *shares])
+        shares = map(EDGE_SHARE.written, numbers["max_edge_share"].values)
+        rows.append([EDGE_SHARE.label, EDGE_SHARE.unit, "loaded/edge_share", *shares])
     rows += [*_along_pitch_circle(loaded, case), *_along_normal(tree, loaded)]
     if "max_root_stress" in numbers:
         for member in numbers["member"].values:
             values = numbers["max_root_stress"].sel(member=member).values
-            stresses = (written(v, ".0f") for v in values)
-            rows.append([f"greatest root stress, {member}", "MPa", "root_stress/max_root_stress", *stresses])
+            stresses = map(ROOT_STRESS.written, values)
+            name = f"{ROOT_STRESS.label}, {member}"
+            rows.append([name, ROOT_STRESS.unit, "root_stress/max_root_stress", *stresses])
     positions = loaded.sizes["mesh_position"]
     certified = [f"{v:.0f} of {positions}" for v in numbers["certified_positions"].values]
     rows.append(["certified mesh positions", "", "loaded/status", *certified])
@@ -202,24 +203,17 @@ def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict
     rows += [row for path in FIRST_PATHS for row in under_load["rows"] if row[2] == path]
     if condition is None:
         return {"torques": under_load["torques"], "rows": rows, "condition": ""}
-    friction = tree["friction"].to_dataset().sel(condition)
+    whole = tree["friction"].to_dataset()
+    friction = whole.sel(condition)
     power = torques * condition["speed"] * math.pi / 30.0
     rows.append(["power of the pinion", "kW", "loaded/torque × friction/speed", *(f"{1e-3 * v:.4g}" for v in power)])
     for variable in ("mean_power_loss", "efficiency"):
         quantity, values = FRICTION[variable], ordered(friction, variable, "torque")
         rows.append([quantity.label, quantity.unit, f"friction/{variable}", *map(quantity.written, values)])
     speeds = f"{condition['speed']:g} 1/min of the pinion, {condition['speed'] / ratio:.4g} 1/min of the gear"
-    words = f"power, loss and efficiency at {speeds}, {condition['temperature']:g} °C, Rq {condition['roughness']:g} µm"
+    rough = roughness_words(whole, int(np.argmax(whole["roughness"].values == condition["roughness"])))
+    words = f"power, loss and efficiency at {speeds}, {condition['temperature']:g} °C, Rq {rough} µm"
     return {"torques": under_load["torques"], "rows": rows, "condition": words}
-
-
-def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
-    """Rows torque, E, P, G [mm] and Sigma [°] as means over the mesh cycle; none if they are alike at all torques."""
-    course = mean_misalignment(tree)
-    if course is None:
-        return []
-    rows = zip(course[0].tolist(), course[1].tolist(), strict=True)
-    return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
 
 
 def mean_pitch_radius(case: Case) -> float | None:
@@ -267,7 +261,6 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
 
     The greatest values over segments are over those that carry.
     """
-    names = ("torque", "speed", "temperature", "roughness")
     columns = {variable: quantity for variable, quantity in FRICTION.items() if variable in friction}
     carries = loaded["pressure"].fillna(0.0) > 0.0
     over = [
@@ -276,16 +269,15 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
         else friction[variable]
         for variable in columns
     ]
-    shape = tuple(friction.sizes[name] for name in names)
-    whole = xr.DataArray(np.ones(shape), dims=names)
-    tables = [(values * whole).transpose(*names).values for values in over]
+    shape = tuple(friction.sizes[name] for name in CONDITIONS)
+    whole = xr.DataArray(np.ones(shape), dims=CONDITIONS)
+    tables = [(values * whole).transpose(*CONDITIONS).values for values in over]
     rows = []
     for at in list(np.ndindex(shape))[:ROW_COUNT_LIMIT]:
-        conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
         cells = [one.written(float(table[at])) for table, one in zip(tables, columns.values(), strict=True)]
-        rows.append([*conditions, *cells])
+        rows.append([*condition_words(friction, at), *cells])
     heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(quantity.head for quantity in columns.values())]
-    variables = [f"friction/{name}" for name in (*names, *columns)]
+    variables = [f"friction/{name}" for name in (*CONDITIONS, *columns)]
     return {"heads": heads, "variables": variables, "rows": rows, "left": math.prod(shape) - len(rows)}
 
 

@@ -367,7 +367,7 @@ function friction() {
     if (several) element("h3", "", node, result.name);
     if (!result.friction) { element("p", "none", node, `${result.name} has no friction: it was made without a speed.`); continue; }
     const own = result.friction, at = own.condition;
-    element("p", "small", node, `${own.models}; pictures at ${written(at.temperature)} °C and Rq ${written(at.roughness)} µm, charts over the mesh cycle at ${written(at.speed)} 1/min.`);
+    element("p", "small", node, `${own.models}; pictures at ${written(at.temperature)} °C and Rq ${at.roughness} µm, charts over the mesh cycle at ${written(at.speed)} 1/min.`);
     const grid = element("div", "grid", node);
     for (const name of ["sliding_velocity", "pv", ...Object.keys(own.fields)]) {
       const source = { sliding_velocity: "friction/sliding_velocity", pv: "loaded/pressure × friction/sliding_velocity" }[name] || `friction/${name}`;
