@@ -102,13 +102,13 @@ class SweepPlots:
 
     def __call__(self, picture: str | None = None, **options: Any) -> Figure | None:
         """Draw a picture; arguments as of ``easeoff.plot.sweep``."""
-        from ..plot.study_figures import sweep
+        from ..plot.sweep_charts import sweep
 
         figure: Figure | None = sweep(self._dataset, picture, **options)
         return figure
 
     def __dir__(self) -> list[str]:
-        from ..plot.study_charts import short_names
+        from ..plot.sweep_charts import short_names
 
         return list(short_names(self._dataset))
 

@@ -12,14 +12,10 @@ Root stress chart: the greatest tensile stress in the fillets along the face and
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, MultipleLocator, PercentFormatter
-from matplotlib.tri import Triangulation, TriContourSet
 from numpy.typing import NDArray
 
 from ...contact.evaluation.pressure_map import PressureMap, pressure_map
@@ -35,10 +31,12 @@ from ...contact.solvers import Status
 from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import MEMBERS
+from ...geometry.tooth.tooth_flanks import MemberName
 from ..summary.plausibility import edge_notes, jump_notes
+from .drawing_style import picture
+from .drawn_result import flank_views, require_result
 from .page import (
     BLUE,
-    BODY_SIZE,
     FAINT,
     GREEN,
     GREY,
@@ -60,8 +58,15 @@ from .page import (
     torque_colours,
     torque_name,
 )
-from .panel_grid import OwnAxes, chosen_parts, chosen_torques, panels
+from .panel_grid import chosen_parts, chosen_torques, panels
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.tri import TriContourSet
+
+    from .panel_grid import AxesChoice
 
 #: Panels, with their heights on a page [in].
 HEIGHTS = {"unloaded": 2.5, "loaded": 2.3, "about_mean": 2.3, "orders": 2.3}
@@ -73,13 +78,46 @@ NAMED_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3}
 FADED_STYLE: dict[str, Any] = {"linewidth": 0.5, "alpha": 0.35, "zorder": 2}  # of the torques that are not named
 
 
-def draw_transmission_error(
+@picture
+def transmission_error(
     tree: xr.DataTree,
+    *,
     torque: float | Sequence[float] | None = None,
     parts: str | Sequence[str] | None = None,
-    own: OwnAxes = None,
-) -> Figure:
-    """Draw the transmission error chart of a result; arguments as of ``contact_figures.transmission_error``."""
+    axes: AxesChoice = None,
+) -> Figure | None:
+    """Transmission error over two mesh cycles, and its orders.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; all if left out.
+    parts
+        Panels: ``unloaded``, ``loaded``, ``about_mean`` (loaded, about its mean), ``orders`` (amplitudes at multiples
+        of the mesh frequency: the first four over torque, or all at a single torque); all if left out.
+    axes
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, it does not have a torque, a part is not known, or ``axes`` are not as many as the
+        panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().subplots()
+    >>> easeoff.plot.transmission_error(tree, parts="about_mean", axes=axes)
+    >>> axes.get_title(loc="left"), axes.get_ylabel()
+    ('transmission error', 'under load, about its mean [µrad]')
+    """
+    require_result(tree)
     unloaded, loaded = tree["unloaded"].to_dataset(), tree["loaded"].to_dataset()
     if torque is not None:
         loaded = loaded.isel(torque=chosen_torques(loaded["torque"].values, torque, 0))
@@ -87,21 +125,21 @@ def draw_transmission_error(
     note = "rotation of the gear, positive where the gear lags"
     heights = [HEIGHTS[name] for name in names]
     layout: dict[str, Any] = {"height_ratios": heights}
-    subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), own, **layout)
+    subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), axes, **layout)
     over_time = [name for name in names if name != "orders"]
-    for axes, name in zip(subplots.axes, names, strict=True):
+    for panel, name in zip(subplots.axes, names, strict=True):
         if name == "orders":
-            draw_orders(axes, loaded, on_page=subplots.on_page)
+            draw_orders(panel, loaded, on_page=subplots.on_page)
             continue
         if name == "unloaded":
-            draw_unloaded(axes, unloaded, on_page=subplots.on_page)
+            draw_unloaded(panel, unloaded, on_page=subplots.on_page)
         else:
-            draw_loaded(axes, loaded, about_mean=name == "about_mean", on_page=subplots.on_page)
-        axes.set_xlim(0, CYCLES)
+            draw_loaded(panel, loaded, about_mean=name == "about_mean", on_page=subplots.on_page)
+        panel.set_xlim(0, CYCLES)
         if name == over_time[-1] or not subplots.on_page:
-            label_axes(axes, "mesh cycles (pinion pitches)")
+            label_axes(panel, "mesh cycles (pinion pitches)")
         else:
-            axes.tick_params(labelbottom=False)
+            panel.tick_params(labelbottom=False)
     if subplots.on_page:
         subplots.figure.align_ylabels(subplots.axes)
     return subplots.figure
@@ -198,8 +236,36 @@ def mean_pairs_in_contact(at_torque: xr.Dataset) -> float:
     return float(np.mean(np.sum(share > 0.0, axis=0)))
 
 
-def draw_load_sharing(tree: xr.DataTree, torque: float | Sequence[float] | None = None, own: OwnAxes = None) -> Figure:
-    """Draw the load share chart of a result; arguments as of ``contact_figures.load_sharing``."""
+@picture
+def load_sharing(
+    tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: AxesChoice = None
+) -> Figure | None:
+    """Share of the torque that each tooth pair carries, a panel a torque.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
+    axes
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, it does not have a torque, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> figure = easeoff.plot.load_sharing(tree)
+    >>> figure.axes[0].get_title(loc="left")
+    '100 N m'
+    """
+    require_result(tree)
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
     chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
@@ -208,20 +274,22 @@ def draw_load_sharing(tree: xr.DataTree, torque: float | Sequence[float] | None 
     note = "" if chosen.size == torques.size else f"{chosen.size} of {torques.size} torques"
     layout = {"count": chosen.size, "sharex": True, "sharey": True}
     heading = "Load sharing between tooth pairs"
-    subplots = panels(tree, heading, 1.75 * rows + 0.4, note, (rows, columns), own, **layout)
-    for number, (axes, index) in enumerate(zip(subplots.axes, chosen, strict=True)):
-        draw_shares(axes, loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
+    subplots = panels(tree, heading, 1.75 * rows + 0.4, note, (rows, columns), axes, **layout)
+    for number, (panel, index) in enumerate(zip(subplots.axes, chosen, strict=True)):
+        draw_shares(panel, loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
         last, first = number + columns >= chosen.size, number % columns == 0
         if last or not subplots.on_page:
-            label_axes(axes, "mesh cycles (pinion pitches)")
-            axes.tick_params(labelbottom=True)
+            label_axes(panel, "mesh cycles (pinion pitches)")
+            panel.tick_params(labelbottom=True)
         if first or not subplots.on_page:
-            label_axes(axes, y="share of the torque")
+            label_axes(panel, y="share of the torque")
     return subplots.figure
 
 
 def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -> None:
     """Draw the curves of the tooth pairs at one torque, with their numbers if ``named``."""
+    from matplotlib.ticker import MultipleLocator, PercentFormatter
+
     course = share_passage(at_torque)
     for pair in pairs_in_view(course, CYCLES):
         times = course.steps / course.per_cycle + pair
@@ -236,12 +304,11 @@ def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -
     axes.xaxis.set_major_locator(MultipleLocator(0.5))
     axes.yaxis.set_major_locator(MultipleLocator(0.25))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-    axes.set_title(title, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
     # Older results lack the contact ratio.
     pairs = float(at_torque["contact_ratio"]) if "contact_ratio" in at_torque else mean_pairs_in_contact(at_torque)
     missing = "some mesh positions missing" if np.any(np.isfinite(course.values)) else "no certified solution"
     text = f"contact ratio {pairs:.2f}" if np.isfinite(pairs) else missing
-    axes.set_title(text, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+    panel_titles(axes, title, text)
 
 
 def _name(axes: Axes, pair: int, times: Array, share: Array, colour: str) -> None:
@@ -260,13 +327,46 @@ PRESSURE_THRESHOLD = 0.01  # over the greatest pressure; less is not coloured
 LEVEL_COUNT = 24
 
 
-def draw_pressure(
+@picture
+def pressure(
     tree: xr.DataTree,
-    views: tuple[ToothView, ...],
+    *,
     torque: float | Sequence[float] | None = None,
-    own: OwnAxes = None,
-) -> Figure:
-    """Draw the pressure chart of a result on its flanks; arguments as of ``contact_figures.pressure``."""
+    member: MemberName | None = None,
+    axes: AxesChoice = None,
+) -> Figure | None:
+    """Greatest contact pressure over the mesh cycle, a row a torque.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
+    member
+        ``gear`` or ``pinion``; both, side by side, if left out.
+    axes
+        An Axes a panel, row by row; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, it does not have a torque, the member is not known, or ``axes`` are not as many as the
+        panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0, 200.0])
+    >>> figure = easeoff.plot.pressure(tree, torque=100.0)
+    >>> [panel.get_title(loc="left") for panel in figure.axes[:2]]
+    ['100 N m, gear', '100 N m, pinion']
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    require_result(tree)
+    views = flank_views(tree, member)
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
     chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
@@ -279,18 +379,18 @@ def draw_pressure(
     height = chosen.size * ((WIDTH - 1.6) / len(views) * shared_aspect(views) + 0.27) + 0.35
     names = " and ".join(view.member for view in views)
     heading = f"Contact pressure over the mesh cycle, {names} flank"
-    drawn_in = panels(tree, heading, height, note, (chosen.size, len(views)), own)
+    drawn_in = panels(tree, heading, height, note, (chosen.size, len(views)), axes)
     figure, grid = drawn_in.figure, drawn_in.axes.reshape(chosen.size, len(views))
     peaks = [surface.peak for surface in maps if np.isfinite(surface.peak)]
     levels = pressure_levels(max(peaks, default=1.0))
     shading = None
     for row, (index, surface) in enumerate(zip(chosen, maps, strict=True)):
         for column, view in enumerate(views):
-            axes = grid[row, column]
-            draw_flank(axes, view, labels=(row == chosen.size - 1, column == 0))
-            drawn = draw_surface(axes, view, surface, levels)
+            panel = grid[row, column]
+            draw_flank(panel, view, labels=(row == chosen.size - 1, column == 0))
+            drawn = draw_surface(panel, view, surface, levels)
             shading = shading or drawn
-            panel_title(axes, f"{torque_name(torques[index])}, {view.member}", surface, loaded.isel(torque=int(index)))
+            panel_title(panel, f"{torque_name(torques[index])}, {view.member}", surface, loaded.isel(torque=int(index)))
     side_by_side(grid)
     if shading is not None:
         bar = figure.colorbar(shading, ax=list(grid.flat), shrink=0.75, aspect=28, pad=0.015, ticks=MaxNLocator(7))
@@ -300,6 +400,8 @@ def draw_pressure(
 
 def pressure_levels(peak: float) -> NDArray[Any]:
     """Round, evenly spaced levels [MPa] beyond the peak; below the lowest, slightly above zero, nothing is coloured."""
+    from matplotlib.ticker import MaxNLocator
+
     levels = np.asarray(MaxNLocator(LEVEL_COUNT, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, max(peak, 1e-3)))
     levels[0] = PRESSURE_THRESHOLD * levels[-1]
     return levels
@@ -307,6 +409,8 @@ def pressure_levels(peak: float) -> NDArray[Any]:
 
 def draw_surface(axes: Axes, view: ToothView, surface: PressureMap, levels: NDArray[Any]) -> TriContourSet | None:
     """Colour the loaded area and mark the greatest pressure; ``None`` if nothing carries load."""
+    from matplotlib.tri import Triangulation
+
     if surface.triangles.size == 0 or not surface.peak > levels[0]:
         return None
     points = view.in_plane(surface.points)
@@ -335,14 +439,50 @@ ROOT_STRESS_PARTS = ("face", "cycle")
 LABELS = {"face": "from the toe, along the face [%]", "cycle": "mesh cycles (pinion pitches)"}
 
 
-def draw_root_stress(
+@picture
+def root_stress(
     tree: xr.DataTree,
+    *,
     torque: float | Sequence[float] | None = None,
-    member: str | None = None,
+    member: MemberName | None = None,
     parts: str | Sequence[str] | None = None,
-    own: OwnAxes = None,
-) -> Figure:
-    """Draw the root stress chart of a result; arguments as of ``contact_figures.root_stress``."""
+    axes: AxesChoice = None,
+) -> Figure | None:
+    """Greatest root stress along the face and over the mesh cycle, of results with finite-element teeth.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
+    member
+        ``pinion`` or ``gear``; both, side by side, if left out.
+    parts
+        Rows of panels: ``face``, ``cycle``; both if left out.
+    axes
+        An Axes a panel, row by row; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result or has no root stress, a name or torque is not known, or ``axes`` are not as many as
+        the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case = easeoff.read_case("fm-11x41")
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> elastic = case.compliance.model_copy(update={"model": "fe", "fineness": 0.3})
+    >>> contact = case.contact.model_copy(update=coarse)
+    >>> case = case.model_copy(update={"contact": contact, "compliance": elastic})
+    >>> tree = easeoff.analyze(case, torques=[100.0])
+    >>> len(easeoff.plot.root_stress(tree).axes)
+    4
+    """
+    require_result(tree, "root_stress")
     stress = tree["root_stress"].to_dataset()
     torques = stress["torque"].values
     chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
@@ -350,15 +490,15 @@ def draw_root_stress(
     note = "greatest tensile stress around the fillet of the loaded side, over the mesh cycle or anywhere on the face"
     note += "" if torque is not None or chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
     shape = (len(names), len(members))
-    subplots = panels(tree, "Root stress", 2.5 * len(names), note, shape, own, sharey="row")
-    for number, axes in enumerate(subplots.axes):
+    subplots = panels(tree, "Root stress", 2.5 * len(names), note, shape, axes, sharey="row")
+    for number, panel in enumerate(subplots.axes):
         part, name = names[number // len(members)], members[number % len(members)]
-        _draw_lines(axes, stress, part, name, chosen)
-        axes.set_title(name, loc="left", fontsize=SMALL_SIZE + 1.5, color=INK, weight="bold", pad=3)
+        _draw_lines(panel, stress, part, name, chosen)
+        panel_titles(panel, name)
         leftmost = number % len(members) == 0 or not subplots.on_page
-        label_axes(axes, LABELS[part], "root stress [MPa]" if leftmost else "")
-    for axes in subplots.axes:  # only now: panels of a row share their limits
-        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+        label_axes(panel, LABELS[part], "root stress [MPa]" if leftmost else "")
+    for panel in subplots.axes:  # only now: panels of a row share their limits
+        panel.set_ylim(bottom=min(0.0, panel.get_ylim()[0]))
     plain_legend(subplots.axes[0])
     return subplots.figure
 
