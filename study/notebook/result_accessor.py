@@ -40,7 +40,61 @@ if TYPE_CHECKING:
 FAULT_COUNT_LIMIT = 3  # that a message names
 
 
-class ResultSummary:
+class ShownSummary:
+    """Summary that a terminal shows as text."""
+
+    text: Any  # as a string
+
+    def __str__(self) -> str:
+        return str(self.text)
+
+    __repr__ = __str__
+
+
+class ShownPictures:
+    """Pictures by their names, as methods."""
+
+    kind = ""  # of what is drawn
+
+    def __repr__(self) -> str:
+        return f"pictures of a {self.kind}: {', '.join(dir(self))}"
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        there = dir(self)
+        if name not in there:
+            known = ", ".join(there)
+            raise AttributeError(f"there is no picture {name!r}; there are: {known}{suggestion(name, there)}")
+        return self._bound(name)
+
+    def _bound(self, name: str) -> Callable[..., Any]:
+        """Picture of a name."""
+        raise NotImplementedError
+
+
+class ShownContent:
+    """Content of a dataset or tree: a notebook shows its summary, or what is wrong with it."""
+
+    def summary(self) -> Any:
+        """Summary of the content; InputError if it is none."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        try:
+            return str(self.summary().text)
+        except InputError as error:
+            return str(error)
+
+    def _repr_html_(self) -> str | None:
+        try:
+            page: str = self.summary()._repr_html_()
+        except InputError:
+            return None  # a notebook shows the text instead
+        return page
+
+
+class ResultSummary(ShownSummary):
     """Summary of a result: printed it is the text of ``easeoff show``, in a notebook a short page.
 
     Parameters
@@ -82,17 +136,11 @@ class ResultSummary:
         """
         return summary_frames(self._tree)
 
-    def __str__(self) -> str:
-        return self.text
-
-    def __repr__(self) -> str:
-        return self.text
-
     def _repr_html_(self) -> str:
         return result_page(self._tree)
 
 
-class ResultPlots:
+class ResultPlots(ShownPictures):
     """Pictures of a result: every function of ``easeoff.plot`` that takes one, as a method.
 
     Parameters
@@ -107,23 +155,16 @@ class ResultPlots:
     True
     """
 
+    kind = "result"
+
     def __init__(self, tree: xr.DataTree) -> None:
         self._tree = tree
 
     def __dir__(self) -> list[str]:
         return sorted(_pictures())
 
-    def __repr__(self) -> str:
-        return f"pictures of a result: {', '.join(sorted(_pictures()))}"
-
-    def __getattr__(self, name: str) -> Callable[..., Any]:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        functions = _pictures()
-        if name not in functions:
-            known = ", ".join(sorted(functions))
-            raise AttributeError(f"there is no picture {name!r}; there are: {known}{suggestion(name, functions)}")
-        function = functions[name]
+    def _bound(self, name: str) -> Callable[..., Any]:
+        function = _pictures()[name]
         bound = update_wrapper(partial(function, self._tree), function)
         signature = inspect.signature(function)
         others = list(signature.parameters.values())[1:]
@@ -143,7 +184,7 @@ def _pictures() -> dict[str, Callable[..., Any]]:
     }
 
 
-class ResultAccessor:
+class ResultAccessor(ShownContent):
     """Tables, summary and pictures of a result in a notebook: ``tree.easeoff`` of every ``xarray.DataTree``.
 
     Every method raises ``InputError`` if the tree is no result of ``analyze``, ``modify``, ``optimize``,
@@ -248,18 +289,6 @@ class ResultAccessor:
             raise InputError(f"case of the result: {reason}")
         warnings.warn(f"friction and load cases of the case are left out: {reason}", UserWarning, stacklevel=2)
         return case
-
-    def __repr__(self) -> str:
-        try:
-            return self.summary().text
-        except InputError as error:
-            return str(error)
-
-    def _repr_html_(self) -> str | None:
-        try:
-            return self.summary()._repr_html_()
-        except InputError:
-            return None  # a notebook shows the text instead
 
     def _result(self) -> xr.DataTree:
         """The tree, if it is a result, with all values in memory."""
