@@ -21,8 +21,9 @@ from ...core.errors import InputError
 from ...friction import FrictionModel
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...friction.operation import named_models
+from ..summary.curves import efficiency_chart
 from ..summary.plausibility import TOLD_SHARE, range_notes
-from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS, MEAN_ROUGHNESS, roughness_words
+from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS, roughness_words, value_name
 from .contact_pattern_chart import (
     drop_short,
     number_lines,
@@ -319,48 +320,35 @@ def curves(
 
     Marks are computed points; open ones have more than ``TOLD_SHARE`` of the loss beyond the formula's range.
     """
-    quantity = 100.0 * friction["efficiency"]
-    fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
-    efficiency = quantity.isel(fixed).transpose(by, along)
-    order = np.argsort(efficiency[along].values)
-    chosen = evenly_chosen(efficiency[by].values, CURVE_COUNT_LIMIT)
-    for index, colour in zip(chosen, torque_colours(efficiency[by].values[chosen]), strict=True):
-        label = value_name(quantity, by, int(index))
-        x, y = efficiency[along].values[order], efficiency.values[index][order]
-        axes.plot(x, y, color=colour, linewidth=1.6, label=label)
-        if order.size > MARKED_COUNT_LIMIT:
+    numbers = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
+    chosen = evenly_chosen(friction[by].values, CURVE_COUNT_LIMIT)
+    chart = efficiency_chart(friction, along, by, numbers, chosen)
+    for index, curve, colour in zip(chosen, chart.curves, torque_colours(friction[by].values[chosen]), strict=True):
+        x, y = curve.x, curve.y
+        axes.plot(x, y, color=colour, linewidth=1.6, label=curve.name)
+        if x.size > MARKED_COUNT_LIMIT:
             continue
-        out = np.zeros(order.size, dtype=bool)
+        out = np.zeros(x.size, dtype=bool)
         if "extrapolated_share" in friction:
-            out = friction["extrapolated_share"].isel(fixed).transpose(by, along).values[index][order] >= TOLD_SHARE
+            place = {name: number for name, number in numbers.items() if name != along} | {by: int(index)}
+            out = friction["extrapolated_share"].isel(place).sortby(along).values >= TOLD_SHARE
         axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
         axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
-    plain_axes(axes, CONDITION_LABELS[along])
+    plain_axes(axes, chart.abscissa or chart.kind.x)
     low, high = axes.get_ylim()
     more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))
     axes.set_ylim(low - more, high + more)
-    if along == "roughness":
-        name_pairs(axes, quantity)
-    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, efficiency.sizes[by], by))
+    if chart.abscissa:
+        name_pairs(axes, friction)
+    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, friction.sizes[by], by))
 
 
-def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
-    """Label an axis of roughnesses with those of both flanks, if they differ."""
-    values, indices = np.unique(quantity["roughness"].values, return_index=True)
-    names = [roughness_name(quantity, int(index)).removesuffix(" µm") for index in indices]
-    if not any("/" in name for name in names):
-        return
-    label = MEAN_ROUGHNESS
+def name_pairs(axes: Axes, friction: xr.Dataset) -> None:
+    """Name roughnesses on an axis by those of both flanks, if there is room."""
+    values, indices = np.unique(friction["roughness"].values, return_index=True)
     if values.size <= ROUGHNESS_TICK_LIMIT and np.all(np.diff(values) > TICK_DISTANCE * np.ptp(values)):
-        axes.set_xticks(values, names)
-        label = "RMS roughness, pinion/gear where they differ [µm]"
-    label_axes(axes, label)
-
-
-def value_name(quantity: xr.DataArray | xr.Dataset, condition: str, index: int) -> str:
-    """Value of an operating condition with its unit."""
-    value = float(quantity[condition].values[index])
-    return roughness_name(quantity, index) if condition == "roughness" else f"{value:.4g} {CONDITION_UNITS[condition]}"
+        axes.set_xticks(values, [roughness_words(friction, int(index)) for index in indices])
+        label_axes(axes, "RMS roughness, pinion/gear where they differ [µm]")
 
 
 def how_many(drawn: int, count: int, condition: str) -> str:

@@ -11,7 +11,7 @@ Root stress chart: the greatest tensile stress in the fillets along the face and
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -29,9 +29,9 @@ from ...contact.evaluation.tooth_passage import (
 )
 from ...contact.solvers import Status
 from ...core.arrays import Array
-from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName
+from ..summary.curves import CYCLE, Chart, root_stress_charts, transmission_error_charts
 from ..summary.plausibility import edge_notes, jump_notes
 from .drawing_style import picture
 from .drawn_result import flank_views, require_result
@@ -71,7 +71,6 @@ if TYPE_CHECKING:
 #: Panels, with their heights on a page [in].
 HEIGHTS = {"unloaded": 2.5, "loaded": 2.3, "about_mean": 2.3, "orders": 2.3}
 ERROR_PARTS = tuple(HEIGHTS)
-ORDER_COUNT = 4  # of the orders drawn over torque
 NAMED_TORQUE_LIMIT = 8  # in the legend
 ORDER_COLOURS, ORDER_MARKS = (BLUE, VERMILION, GREEN, GREY), ("o", "s", "^", "D")
 NAMED_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3}
@@ -127,14 +126,15 @@ def transmission_error(
     layout: dict[str, Any] = {"height_ratios": heights}
     subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), axes, **layout)
     over_time = [name for name in names if name != "orders"]
+    charts = {one.name: one for one in transmission_error_charts(unloaded, loaded, np.arange(loaded.sizes["torque"]))}
     for panel, name in zip(subplots.axes, names, strict=True):
         if name == "orders":
-            draw_orders(panel, loaded, on_page=subplots.on_page)
+            draw_orders(panel, charts, on_page=subplots.on_page)
             continue
         if name == "unloaded":
             draw_unloaded(panel, unloaded, on_page=subplots.on_page)
         else:
-            draw_loaded(panel, loaded, about_mean=name == "about_mean", on_page=subplots.on_page)
+            draw_loaded(panel, loaded, charts, about_mean=name == "about_mean", on_page=subplots.on_page)
         panel.set_xlim(0, CYCLES)
         if name == over_time[-1] or not subplots.on_page:
             label_axes(panel, "mesh cycles (pinion pitches)")
@@ -161,48 +161,43 @@ def draw_unloaded(axes: Axes, unloaded: xr.Dataset, *, on_page: bool = True) -> 
     _finish(axes, "without load [µrad]", on_page=on_page)
 
 
-def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool, on_page: bool = True) -> None:
+def draw_loaded(
+    axes: Axes, loaded: xr.Dataset, charts: Mapping[str, Chart], *, about_mean: bool, on_page: bool = True
+) -> None:
     """Draw the curves of all torques, as they are or about their means."""
-    torques = loaded["torque"].values
-    error = loaded["transmission_error"].transpose("torque", "mesh_position").values
+    torques, curves = loaded["torque"].values, charts["te_mean" if about_mean else "te_loaded"].curves
     named = set(evenly_chosen(torques, NAMED_TORQUE_LIMIT).tolist())
-    for index, colour in enumerate(torque_colours(torques)):
-        finite = error[index][np.isfinite(error[index])]
+    for index, (curve, colour) in enumerate(zip(curves, torque_colours(torques), strict=True)):
+        times, values = two_cycles(curve.y[:-1])
+        finite = curve.y[:-1][np.isfinite(curve.y[:-1])]
         if finite.size == 0:
             continue
-        level = float(finite.mean())
         swing = float(loaded["peak_to_peak"].values[index])
-        text = f"peak to peak {swing:.1f} µrad" if about_mean else f"mean {level:.0f} µrad"
-        if finite.size < error.shape[1]:
-            text = f"{error.shape[1] - finite.size} of {error.shape[1]} missing"
-        label = f"{torque_name(torques[index])}, {text}" if index in named else None
-        times, values = two_cycles(error[index] - level if about_mean else error[index])
+        text = f"peak to peak {swing:.1f} µrad" if about_mean else f"mean {finite.mean():.0f} µrad"
+        if missing := curve.y.size - 1 - finite.size:
+            text = f"{missing} of {curve.y.size - 1} missing"
+        label = f"{curve.name}, {text}" if index in named else None
         axes.plot(times, values, color=colour, label=label, **(NAMED_STYLE if index in named else FADED_STYLE))
     heading = "" if len(named) == torques.size else f"{len(named)} of {torques.size} torques, the others pale"
     label = "under load, about its mean [µrad]" if about_mean else "under load [µrad]"
     _finish(axes, label, on_page=on_page, heading=heading)
 
 
-def draw_orders(axes: Axes, loaded: xr.Dataset, *, on_page: bool = True) -> None:
+def draw_orders(axes: Axes, charts: Mapping[str, Chart], *, on_page: bool = True) -> None:
     """Draw the amplitudes of the first orders of mesh frequency over torque, or of all orders at a single torque."""
-    orders = loaded["order"].values
-    amplitudes = loaded["harmonic"].transpose("torque", "order").values
-    torques = loaded["torque"].values
     label = "amplitude of the orders [µrad]"
-    if torques.size == 1:
-        if np.any(np.isfinite(amplitudes)):
-            axes.bar(orders, amplitudes[0], width=0.55, color=BLUE, label=torque_name(float(torques[0])))
-            axes.set_xticks(orders)
-        _finish(axes, label, "order of the mesh frequency", on_page=on_page)
+    if "te_torque" not in charts:
+        (one,) = charts["te_orders"].curves
+        if np.any(np.isfinite(one.y)):
+            axes.bar(one.x, one.y, width=0.55, color=BLUE, label=one.name)
+            axes.set_xticks(one.x)
+        _finish(axes, label, charts["te_orders"].kind.x, on_page=on_page)
         return
-    rank = np.argsort(torques)
-    for number in range(min(ORDER_COUNT, orders.size)):
-        if np.any(np.isfinite(amplitudes[:, number])):
-            line: dict[str, Any] = {"color": ORDER_COLOURS[number], "linewidth": 1.4}
-            mark: dict[str, Any] = {"marker": ORDER_MARKS[number], "markersize": 3.5}
-            axes.plot(torques[rank], amplitudes[rank, number], label=f"order {orders[number]:g}", **line, **mark)
+    for one, colour, mark in zip(charts["te_torque"].curves[1:], ORDER_COLOURS, ORDER_MARKS, strict=False):
+        if np.any(np.isfinite(one.y)):
+            axes.plot(one.x, one.y, label=one.name, color=colour, linewidth=1.4, marker=mark, markersize=3.5)
     axes.set_ylim(bottom=0.0)
-    _finish(axes, label, "torque at the pinion [N m]", on_page=on_page)
+    _finish(axes, label, charts["te_torque"].kind.x, on_page=on_page)
 
 
 def _finish(axes: Axes, label: str, abscissa: str = "", *, on_page: bool, heading: str = "") -> None:
@@ -435,8 +430,11 @@ def panel_title(axes: Axes, torque: str, surface: PressureMap, at_torque: xr.Dat
     panel_titles(axes, torque, peak)
 
 
-ROOT_STRESS_PARTS = ("face", "cycle")
-LABELS = {"face": "from the toe, along the face [%]", "cycle": "mesh cycles (pinion pitches)"}
+#: Panels of the root stress, each with the chart of its curves, the label of its abscissa and the end of it.
+ROOT_STRESS_PARTS = {
+    "face": ("root", "from the toe, along the face [%]", 100.0),
+    "cycle": ("root_cycle", "mesh cycles (pinion pitches)", 2.0),
+}
 
 
 @picture
@@ -486,42 +484,30 @@ def root_stress(
     stress = tree["root_stress"].to_dataset()
     torques = stress["torque"].values
     chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
-    names, members = chosen_parts(ROOT_STRESS_PARTS, parts), chosen_parts(MEMBERS, member, "member")
+    names, members = chosen_parts(tuple(ROOT_STRESS_PARTS), parts), chosen_parts(MEMBERS, member, "member")
     note = "greatest tensile stress around the fillet of the loaded side, over the mesh cycle or anywhere on the face"
     note += "" if torque is not None or chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
+    charts = {(one.name, one.member): one for one in root_stress_charts(stress, chosen)}
     shape = (len(names), len(members))
     subplots = panels(tree, "Root stress", 2.5 * len(names), note, shape, axes, sharey="row")
     for number, panel in enumerate(subplots.axes):
-        part, name = names[number // len(members)], members[number % len(members)]
-        _draw_lines(panel, stress, part, name, chosen)
+        part, name = ROOT_STRESS_PARTS[names[number // len(members)]], members[number % len(members)]
+        _draw_lines(panel, charts[part[0], name], torque_colours(torques[chosen]), part[2])
         panel_titles(panel, name)
         leftmost = number % len(members) == 0 or not subplots.on_page
-        label_axes(panel, LABELS[part], "root stress [MPa]" if leftmost else "")
+        label_axes(panel, part[1], "root stress [MPa]" if leftmost else "")
     for panel in subplots.axes:  # only now: panels of a row share their limits
         panel.set_ylim(bottom=min(0.0, panel.get_ylim()[0]))
     plain_legend(subplots.axes[0])
     return subplots.figure
 
 
-def greatest_over_pairs(stress: xr.Dataset, torque: int, member: str) -> NDArray[np.float64]:
-    """Greatest root stress of the teeth in mesh (mesh_position) [MPa]; NaN where there is none."""
-    history = stress["root_stress_history"].isel(torque=torque).sel(member=member)
-    values = history.transpose("mesh_position", "pair").values
-    return np.where(np.any(np.isfinite(values), axis=1), np.max(np.nan_to_num(values, nan=-np.inf), axis=1), np.nan)
-
-
-def _draw_lines(axes: Axes, stress: xr.Dataset, part: str, member: str, chosen: NDArray[np.int64]) -> None:
-    """Draw a line a torque."""
-    torques = stress["torque"].values
-    along = ordered(stress.sel(member=member), "root_stress", "torque", "lengthwise")
-    for index, colour in zip(chosen, torque_colours(torques[chosen]), strict=True):
-        label = torque_name(float(torques[index]))
-        if part == "face":
-            axes.plot(100.0 * stress["lengthwise"].values, along[index], color=colour, linewidth=1.6, label=label)
-        else:
-            times, values = two_cycles(greatest_over_pairs(stress, int(index), member))
-            axes.plot(times, values, color=colour, linewidth=1.6, label=label)
+def _draw_lines(axes: Axes, chart: Chart, colours: NDArray[Any], span: float) -> None:
+    """Draw a line a torque along the face, or over two mesh cycles."""
+    for one, colour in zip(chart.curves, colours, strict=True):
+        x, y = two_cycles(one.y[:-1]) if chart.kind.x == CYCLE else (one.x, one.y)
+        axes.plot(x, y, color=colour, linewidth=1.6, label=one.name)
     plain_axes(axes)
-    axes.set_xlim((0.0, 100.0) if part == "face" else (0.0, 2.0))
-    if not np.any(np.isfinite(along[chosen])):
+    axes.set_xlim(0.0, span)
+    if not any(np.any(np.isfinite(one.y)) for one in chart.curves):
         axes.text(0.5, 0.5, "no certified solution", transform=axes.transAxes, ha="center", color=GREY)

@@ -23,6 +23,7 @@ from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
+from ..summary.curves import Chart, wear_charts
 from ..summary.deflection_report import misalignment_over_torque
 from ..summary.quantities import TITLES
 from .drawing_style import picture
@@ -245,11 +246,12 @@ def wear(history: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes:
     last = float(history["revolutions"][-1])
     note = f"{last:.4g} revolutions of the pinion, {history.sizes['step'] - 1} steps"
     subplots = panels(xr.DataTree(history), "Wear", 2.3 * rows, note, (rows, columns), axes, count=len(names))
+    charts = {one.kind.source: one for one in wear_charts(history)}
     for panel, name in zip(subplots.axes, names, strict=True):
         if name in MEMBERS:
             _draw_depth(panel, history["wear_depth"].isel(step=-1).sel(member=name), name)
         else:
-            _draw_history(panel, history, name)
+            _draw_history(panel, charts[name], history["torque"].values)
     return subplots.figure
 
 
@@ -267,19 +269,13 @@ def _draw_depth(axes: Axes, depth: xr.DataArray, member: str) -> None:
     plain_bar(figure.colorbar(drawn, ax=axes, pad=0.02, ticks=MaxNLocator(6)), "")
 
 
-def _draw_history(axes: Axes, history: xr.Dataset, name: str) -> None:
+def _draw_history(axes: Axes, chart: Chart, torques: Array) -> None:
     """Draw a number over the revolutions, a line a member or torque."""
-    over = history["revolutions"].values
-    if name == "largest_depth":
-        for member, colour in zip(MEMBERS, (BLUE, VERMILION), strict=True):
-            axes.plot(over, history[name].sel(member=member), "o-", color=colour, markersize=3, label=member)
-    else:
-        torques = history["torque"].values
-        for index, colour in enumerate(torque_colours(torques)):
-            label = torque_name(float(torques[index]))
-            axes.plot(over, history[name].isel(torque=index), "o-", color=colour, markersize=3, label=label)
+    colours = (BLUE, VERMILION) if chart.name == "wear_depth" else torque_colours(torques)
+    for one, colour in zip(chart.curves, colours, strict=True):
+        axes.plot(one.x, one.y, "o-", color=colour, markersize=3, label=one.name)
     axes.set_xlim(left=0.0)
-    plain_axes(axes, "revolutions of the pinion", title=TITLES[name])
+    plain_axes(axes, chart.kind.x, title=TITLES[chart.kind.source])
     plain_legend(axes)
 
 

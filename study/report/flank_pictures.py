@@ -32,8 +32,9 @@ from ..plot.pattern_lines import contact_pattern
 from ..plot.tooth_view import ToothView, fine_grid
 from ..result_layout import GRID
 from ..summary.correction_report import assembly_rows, assembly_title, terms
+from ..summary.curves import torque_name, wear_charts
 from ..summary.quantities import written
-from .cycle_charts import chart
+from .cycle_charts import packed_chart
 from .packed_array import packed, packed_exactly
 
 RASTER = (121, 49)  # points along the face and the profile
@@ -332,7 +333,7 @@ def modification_part(tree: xr.DataTree) -> dict[str, Any] | None:
 def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
     """Wear for the page: depths on both flanks at the end, numbers over the steps, and charts over the revolutions."""
     turned = worn["revolutions"].values.astype(float)
-    torques = [f"{torque:g} N m" for torque in worn["torque"].values]
+    torques = [torque_name(float(torque)) for torque in worn["torque"].values]
     depth = ordered(worn.isel(step=-1), "wear_depth", "member", *GRID)
     members = [str(member) for member in worn["member"].values]
     both: tuple[MemberName, ...] = get_args(MemberName)
@@ -371,11 +372,7 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
             "rows": rows,
             "variables": ["revolutions", "largest_depth", "peak_to_peak", "max_pressure"],
         },
-        "charts": [
-            chart("wear_depth", [(m, turned, largest[:, i]) for i, m in enumerate(members)]),
-            chart("wear_error", [(t, turned, ripple[:, i]) for i, t in enumerate(torques)]),
-            chart("wear_pressure", [(t, turned, pressure[:, i]) for i, t in enumerate(torques)]),
-        ],
+        "charts": [packed_chart(one) for one in wear_charts(worn)],
     }
 
 

@@ -32,6 +32,7 @@ from ..plot.page import evenly_chosen
 from ..plot.tooth_view import tooth_view
 from ..result import checked_result, read_result
 from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, require_layout
+from ..summary import curves
 from ..summary.deflection_report import deflection_tables
 from ..summary.quantities import roughness_words
 from ..summary.result_summary import head_rows, result_notes
@@ -363,10 +364,10 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "pressure": flank_pictures.pressure_fields(loaded, chosen, views),
         "segments": flank_pictures.segments(loaded, chosen, views),
         "charts": {
-            "error": cycle_charts.transmission_error_charts(
-                tree, chosen, None if case is None else mean_pitch_radius(case)
+            "error": curves.transmission_error_charts(
+                tree["unloaded"].to_dataset(), loaded, chosen, None if case is None else mean_pitch_radius(case)
             ),
-            "contact": cycle_charts.contact_charts(tree, chosen),
+            "contact": curves.contact_charts(tree, chosen),
         },
         "over_torque": cycle_charts.over_torque(tree),
         "scene": None if case is None else mesh_scene(tree, case),
@@ -374,16 +375,16 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
     }
     condition = None
     if "supports" in tree.children:
-        content["charts"]["supports"] = cycle_charts.supports_charts(tree, chosen)
+        content["charts"]["supports"] = curves.supports_charts(tree, chosen)
     if "root_stress" in tree.children:
-        content["charts"]["root"] = cycle_charts.root_stress_charts(tree["root_stress"].to_dataset(), chosen)
+        content["charts"]["root"] = curves.root_stress_charts(tree["root_stress"].to_dataset(), chosen)
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         speeds = evenly_chosen(friction["speed"].values, min(SPEED_LIMIT, max(1, SPEED_COUNT // count)))
         at = {key: _middle(friction[key].values) for key in ("temperature", "roughness")}
         middle = {"speed": _middle(friction["speed"].values), **at}
         condition = {key: float(friction[key].values[number]) for key, number in middle.items()}
-        content["charts"]["friction"] = cycle_charts.friction_charts(tree, chosen, middle)
+        content["charts"]["friction"] = curves.friction_charts(tree, chosen, middle)
         content["friction"] = {
             "models": printable(named_models(friction.attrs)),
             "condition": condition | {"roughness": roughness_words(friction, middle["roughness"])},
@@ -392,6 +393,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
             "map": cycle_charts.efficiency_map(friction, middle),
             "table": efficiency_rows(friction, loaded),
         }
+    content["charts"] = {part: list(map(cycle_charts.packed_chart, own)) for part, own in content["charts"].items()}
     content["first_numbers"] = first_numbers(tree, under_load, condition)
     return content
 

@@ -53,6 +53,13 @@ def roughness_words(friction: xr.Dataset | xr.DataArray, index: int) -> str:
     return pinion if pinion == gear else f"{pinion}/{gear}"
 
 
+def value_name(friction: xr.Dataset | xr.DataArray, condition: str, index: int) -> str:
+    """Value of an operating condition with its unit."""
+    rough = condition == "roughness"
+    value = roughness_words(friction, index) if rough else f"{float(friction[condition].values[index]):.4g}"
+    return f"{value} {CONDITION_UNITS[condition]}"
+
+
 #: Numbers over torque, by their variables in ``loaded``.
 LOADED = {
     "mean_level": Quantity("transmission error, mean", "µrad", ".1f"),
