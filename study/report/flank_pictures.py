@@ -21,7 +21,6 @@ from ...contact.evaluation.flank_region import ProjectionPlane
 from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.lines.contact_lines import boundary_distance
-from ...contact.lines.flank_splines import FlankSplines
 from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.errors import EaseoffError
@@ -40,16 +39,6 @@ from .packed_array import packed, packed_exactly
 RASTER = (121, 49)  # points along the face and the profile
 CORNER_TOLERANCE = 1e-9  # of a barycentric coordinate
 AREA_MINIMUM = 1e-9  # of a triangle, twice, in meshes of the raster
-
-
-def on_member(fields: FlankSplines, points: Array, member: str) -> Array:
-    """Fractions (2, ...) on a member's flank of points (2, ...) of the gear's; NaN stays NaN."""
-    if member == "gear":
-        return points
-    known = np.nan_to_num(np.clip(points, 0.0, 1.0)).reshape(2, -1)
-    fractions = fields.evaluate(["pinion_lengthwise", "pinion_profile"], known)
-    opposite = np.stack(list(fractions.values())).reshape(np.shape(points))
-    return np.where(np.isfinite(points), opposite, np.nan)
 
 
 def rasterised(points: Array, values: Array, triangles: NDArray[np.int64], shape: tuple[int, int] = RASTER) -> Array:
@@ -88,7 +77,7 @@ def _cross(a: Array, b: Array) -> Array:
 def pressure_raster(at_torque: xr.Dataset, view: ToothView) -> Array:
     """Greatest pressure [MPa] over the mesh cycle on a flank; zero where there is no load."""
     surface = pressure_map(at_torque)
-    points = on_member(view.fields, surface.points, view.member)
+    points = view.fractions(surface.points)
     return np.nan_to_num(rasterised(points, surface.pressure, surface.triangles))
 
 
@@ -97,7 +86,7 @@ def gear_raster(grid: Array, values: Array, view: ToothView, shape: tuple[int, i
     node = np.arange(values.size).reshape(values.shape)
     first = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:]], axis=-1).reshape(-1, 3)
     second = np.stack([node[:-1, :-1], node[1:, 1:], node[:-1, 1:]], axis=-1).reshape(-1, 3)
-    points = on_member(view.fields, grid.reshape(2, -1), view.member)
+    points = view.fractions(grid.reshape(2, -1))
     return rasterised(points, values.ravel(), np.concatenate([first, second]), shape)
 
 
@@ -250,7 +239,7 @@ def segments(loaded: xr.Dataset, chosen: NDArray[Any], views: tuple[ToothView, .
         columns.append(np.stack([*(ordered(at_torque, name, *order)[carries] for name in names), edge[carries]]))
     table = np.concatenate(columns, axis=1)
     numbers = dict(zip(("pressure", "half_width", "length", "force"), map(packed, table[3:7]), strict=True))
-    places = {view.member: packed(on_member(view.fields, table[:2], view.member)) for view in views}
+    places = {view.member: packed(view.fractions(table[:2])) for view in views}
     return {
         "start": starts,
         "places": places,

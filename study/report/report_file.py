@@ -347,7 +347,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "flank": str(tree.attrs["flank"]),
         "head": [[left, with_signs(printable(right))] for left, right in [*head_rows(tree), *_analysed(tree)]],
         "notes": [with_signs(printable(note)) for note in result_notes(tree)],
-        "misalignment": [list(row) for table in deflection_tables(tree) for row in table.rows],
+        "misalignment": [table.page() for table in deflection_tables(tree)],
         "case": [] if case is None else case_tables(case),
         "unloaded_numbers": unloaded_numbers(tree),
         "loaded_numbers": under_load,

@@ -94,7 +94,9 @@ def deflection_tables(tree: xr.DataTree) -> list[Table]:
         for torque, row in zip(course[0], course[1].tolist(), strict=True)
     ]
     heads: list[str | Quantity] = ["torque\nN m", *(error.quantity("+.4f") for error in ERRORS)]
-    return [Table(heads, rows, 0, "Misalignment over the torque", group="misalignment")]
+    title = "Misalignment over the torque, mean over the mesh cycle"
+    variables = tuple(f"misalignment/{name}" for name in ("torque", *(error.name for error in ERRORS)))
+    return [Table(heads, rows, 0, title, variables=variables, group="misalignment")]
 
 
 def deflection_notes(tree: xr.DataTree) -> list[str]:

@@ -72,7 +72,7 @@ class Table:
 def _headed(head: str) -> str:
     """Head of a column in one line, with the unit in brackets and its signs."""
     words = head.replace("\n", " ").replace("urad", "µrad").replace("deg", "°")
-    return re.sub(r" (N m|mm|%|µrad|°|MPa|W|1/min)$", r" [\1]", words)
+    return re.sub(r"(?<!\d) (N m|mm|%|µrad|°|MPa|W|1/min)$", r" [\1]", words)
 
 
 def with_signs(text: str) -> str:
