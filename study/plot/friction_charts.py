@@ -21,6 +21,7 @@ from ...core.errors import InputError
 from ...friction import FrictionModel
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...friction.operation import named_models
+from ..result_layout import CONDITIONS
 from ..summary.curves import efficiency_chart
 from ..summary.plausibility import TOLD_SHARE, range_notes
 from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS, roughness_words, value_name
@@ -45,6 +46,7 @@ from .page import (
     in_print,
     label_axes,
     legend_of_curves,
+    middle,
     panel_titles,
     plain_axes,
     plain_bar,
@@ -209,8 +211,7 @@ def draw_panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, leve
 
 def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
     """Middle torque, speed, temperature and roughness of a result."""
-    middle = {name: friction[name].values for name in ("torque", "speed", "temperature", "roughness")}
-    return {name: float(np.sort(values)[(values.size - 1) // 2]) for name, values in middle.items()}
+    return {name: float(friction[name].values[middle(friction[name].values)]) for name in CONDITIONS}
 
 
 def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:

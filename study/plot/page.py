@@ -200,6 +200,11 @@ def evenly_chosen(values: NDArray[Any], most: int = PANEL_COUNT_LIMIT) -> NDArra
     return np.asarray(order[ranks], dtype=np.int64)
 
 
+def middle(values: NDArray[Any]) -> int:
+    """Number of the middle one of values (n), the lower of two."""
+    return int(np.argsort(values)[(values.size - 1) // 2])
+
+
 def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:
     """Colours (n, 4) of torques (n), dark for the small ones."""
     from matplotlib import colormaps

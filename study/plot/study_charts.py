@@ -25,7 +25,7 @@ from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
 from ..summary.curves import Chart, wear_charts
 from ..summary.deflection_report import misalignment_over_torque
-from ..summary.quantities import TITLES
+from ..summary.quantities import TITLES, UNIT_SIGNS
 from .drawing_style import picture
 from .drawn_result import require_result
 from .page import (
@@ -154,7 +154,6 @@ def _curve(
 
 HEIGHT = 4.2  # [in]
 MARKERS = "sd^v"
-PRINTED = {"urad": "µrad", "um": "µm"}
 
 
 @picture
@@ -197,7 +196,7 @@ def front(
     panel.plot(*values[chosen], "o", color=BLUE, markersize=8.0, fillstyle="none", label="in this result")
     panel.plot(*record["objective_start"].values, "x", color=INK, markersize=7.0, label="start")
     plain_axes(panel)
-    units = [PRINTED.get(unit, unit) for unit in found["objective_units"].values.tolist()]
+    units = [UNIT_SIGNS.get(unit, unit) for unit in found["objective_units"].values.tolist()]
     panel.set_xlabel(f"{names[0]} [{units[0]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
     panel.set_ylabel(f"{names[1]} [{units[1]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
     plain_legend(panel)

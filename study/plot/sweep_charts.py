@@ -13,7 +13,7 @@ from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import InputError
 from ..result_layout import PATTERN
-from ..summary.quantities import TITLES
+from ..summary.quantities import TITLES, UNIT_SIGNS
 from ..summary.sweep_report import outcome
 from ..sweep.reductions import LOADS, ROWS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
 from ..sweep.sweep_file import is_sweep
@@ -53,7 +53,6 @@ CURVE_LIMIT = 5
 PATTERN_LIMIT = 7  # patterns that are outlined
 BAR_LIMIT = 12  # coordinates of a tornado
 BIN_LIMIT = 40
-UNITS = {"degree": "°", "degC": "°C", "um": "µm", "rpm": "1/min", "1": ""}
 TICK_LIMIT = 7  # swept values that are ticked themselves
 PERCENT = (5.0, 50.0, 95.0)
 
@@ -162,7 +161,7 @@ def _grids(dataset: xr.Dataset) -> list[str]:
 def _label(dataset: xr.Dataset, name: str) -> str:
     """A coordinate with its unit."""
     unit = str(dataset[name].attrs.get("units", ""))
-    unit = UNITS.get(unit, unit)
+    unit = UNIT_SIGNS.get(unit, unit)
     words = {"torque": "torque at the pinion", "Sigma": "Σ"}.get(name, name)
     return f"{words} [{unit}]" if unit else words
 
@@ -184,7 +183,7 @@ def _reduced(dataset: xr.Dataset, name: str, keep: tuple[str, ...]) -> tuple[xr.
             value = dataset[dim].values[middle]
             words = f"{value:.4g}" if dataset[dim].dtype.kind in "fiu" else str(value)
             unit = str(dataset[dim].attrs.get("units", ""))
-            said.append(f"{dim} {words} {UNITS.get(unit, unit)}".strip())
+            said.append(f"{dim} {words} {UNIT_SIGNS.get(unit, unit)}".strip())
     return variable.transpose(*[dim for dim in keep if dim in variable.dims]), said
 
 
@@ -360,7 +359,7 @@ def _tornado(dataset: xr.Dataset, names: list[str], own: AxesChoice) -> Figure:
     first = effects[0][1]
     at = {dim: -1 for dim in first["effect"].dims if dim != "coordinate"}
     said = [
-        f"{dim} {first[dim].values[-1]:g} {UNITS.get(unit := str(first[dim].attrs.get('units', '')), unit)}"
+        f"{dim} {first[dim].values[-1]:g} {UNIT_SIGNS.get(unit := str(first[dim].attrs.get('units', '')), unit)}"
         for dim in at
         if dim in first.coords and first.sizes[dim] > 1
     ]
@@ -388,4 +387,4 @@ def _bar_label(dataset: xr.Dataset, one: xr.Dataset, place: int) -> str:
     unit = str(dataset[coordinate].attrs.get("units", ""))
     parts = coordinate.split(".")
     name = coordinate if len(parts) == 1 else f"{parts[0]} {parts[-1].replace('_', ' ')}"
-    return f"{name}\n±{one['scale'].values[place]:.3g} {UNITS.get(unit, unit)}".strip()
+    return f"{name}\n±{one['scale'].values[place]:.3g} {UNIT_SIGNS.get(unit, unit)}".strip()

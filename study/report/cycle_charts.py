@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from ..plot.page import middle
 from ..summary.curves import CYCLE, Chart, capital
 from ..summary.plausibility import TOLD_SHARE
-from ..summary.quantities import CONDITION_UNITS, FRICTION, LOADED, roughness_words
+from ..summary.quantities import FRICTION, LOADED, value_name
 from .packed_array import packed_exactly
 
 #: Numbers of the loaded contact that results are compared by over torque.
@@ -52,10 +53,9 @@ def over_torque(tree: xr.DataTree) -> dict[str, Any]:
         conditions = []
         for name in map(str, values.dims):
             if name != "torque":
-                middle = int(np.argsort(values[name].values)[(values.sizes[name] - 1) // 2])
-                values = values.isel({name: middle})
-                shown = roughness_words(groups[group], middle) if name == "roughness" else f"{values[name].item():g}"
-                conditions += [f"{shown} {CONDITION_UNITS[name]}"]
+                number = middle(values[name].values)
+                values = values.isel({name: number})
+                conditions += [value_name(groups[group], name, number)]
         if np.any(np.isfinite(values.values)):
             courses[variable] = {
                 "title": capital(quantity) + "," * ("," in quantity.label),

@@ -27,6 +27,7 @@ from ...core.errors import EaseoffError
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
+from ..plot.page import evenly_chosen
 from ..plot.pattern_lines import contact_pattern
 from ..plot.tooth_view import ToothView, fine_grid
 from ..result_layout import GRID
@@ -340,7 +341,7 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
     heads += [f"transmission error, {words} [µrad]" for words in at]
     heads += [f"greatest pressure, {words} [MPa]" for words in at]
     rows = []
-    for step in _even(turned.size):
+    for step in evenly_chosen(np.arange(turned.size), STEP_COUNT_LIMIT):
         cells = [*(f"{v:.2f}" for v in largest[step]), *(written(v, ".2f") for v in shown_error[step])]
         rows.append([f"{turned[step]:.0f}", *cells, *(written(v, ".0f") for v in shown_pressure[step])])
     return {
@@ -363,8 +364,3 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
         },
         "charts": [packed_chart(one) for one in wear_charts(worn)],
     }
-
-
-def _even(count: int) -> list[int]:
-    """Numbers of evenly chosen steps, the first and the last one among them."""
-    return [int(step) for step in np.unique(np.linspace(0, count - 1, min(count, STEP_COUNT_LIMIT)).round())]

@@ -87,7 +87,7 @@ def placed(points: Array, pair: GearPair, member: MemberName) -> Array:
     return np.asarray(points @ pair.assembly.pinion_frame.T + pair.assembly.pinion_origin)
 
 
-def loaded_patch(tree: xr.DataTree, member: MemberName) -> str:
+def loaded_patch(tree: xr.DataTree, member: str) -> str:
     """Name of the loaded flank among the patches of a tooth."""
     return f"{MATING_SIDES[tree.attrs['flank']][MEMBERS.index(member)]}_flank"
 

@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...core.arrays import Array
 from ...core.attributes import ordered
@@ -28,7 +27,7 @@ from ...core.errors import InputError, printable
 from ...core.netcdf_file import tree_or_none
 from ...core.output_file import whole_file
 from ...friction.operation import named_models
-from ..plot.page import evenly_chosen
+from ..plot.page import evenly_chosen, middle
 from ..plot.tooth_view import tooth_view
 from ..result import checked_result, read_result
 from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, require_layout
@@ -209,11 +208,11 @@ def _place(one: xr.Dataset) -> dict[str, Any]:
     excess = ordered(one, "print_excess", *GRID)
     return {
         "name": str(one["place"].values),
-        "v": _number(one["v"]),
-        "h": _number(one["h"]),
+        "v": _finite(one["v"]),
+        "h": _finite(one["h"]),
         "print": _print(excess),
-        "wanted": [_number(one[f"place_{name}"]) for name in GRID],
-        "centre": [_number(one[f"pattern_centre_{name}"]) for name in GRID],
+        "wanted": [_finite(one[f"place_{name}"]) for name in GRID],
+        "centre": [_finite(one[f"pattern_centre_{name}"]) for name in GRID],
     }
 
 
@@ -237,11 +236,7 @@ def _print(excess: Array) -> dict[str, Any] | None:
     return packed(np.clip(excess, -1.0, 1.0)) if np.any(np.isfinite(excess)) else None
 
 
-def _number(value: xr.DataArray) -> float | None:
-    return _finite(float(value))
-
-
-def _finite(value: float) -> float | None:
+def _finite(value: Any) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
@@ -381,16 +376,16 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         speeds = evenly_chosen(friction["speed"].values, min(SPEED_LIMIT, max(1, SPEED_COUNT // count)))
-        at = {key: _middle(friction[key].values) for key in ("temperature", "roughness")}
-        middle = {"speed": _middle(friction["speed"].values), **at}
-        condition = {key: float(friction[key].values[number]) for key, number in middle.items()}
-        content["charts"]["friction"] = curves.friction_charts(tree, chosen, middle)
+        at = {key: middle(friction[key].values) for key in ("temperature", "roughness")}
+        all_at = {"speed": middle(friction["speed"].values), **at}
+        condition = {key: float(friction[key].values[number]) for key, number in all_at.items()}
+        content["charts"]["friction"] = curves.friction_charts(tree, chosen, all_at)
         content["friction"] = {
             "models": printable(named_models(friction.attrs)),
-            "condition": condition | {"roughness": roughness_words(friction, middle["roughness"])},
+            "condition": condition | {"roughness": roughness_words(friction, at["roughness"])},
             "speeds": friction["speed"].values[speeds].tolist(),
             "fields": flank_pictures.friction_fields(tree, chosen, speeds, at, views[0]),
-            "map": cycle_charts.efficiency_map(friction, middle),
+            "map": cycle_charts.efficiency_map(friction, at),
             "table": efficiency_rows(friction, loaded),
         }
     content["charts"] = {part: list(map(cycle_charts.packed_chart, own)) for part, own in content["charts"].items()}
@@ -404,8 +399,3 @@ def _analysed(tree: xr.DataTree) -> list[tuple[str, str]]:
     if not history or not history[-1].strip():
         return []
     return [("analysed", HISTORY_TIME.sub(r"\1 \2 UTC,", history[-1]))]
-
-
-def _middle(values: NDArray[Any]) -> int:
-    """Number of the middle one of values."""
-    return int(np.argsort(values)[(values.size - 1) // 2])

@@ -8,6 +8,8 @@ from dataclasses import dataclass
 import xarray as xr
 
 NO_VALUE = "–"
+#: Units of results as pictures show them.
+UNIT_SIGNS = {"urad": "µrad", "um": "µm", "degree": "°", "degC": "°C", "rpm": "1/min", "1": ""}
 
 _CONDITIONS = {
     "speed": ("speed of the pinion", "1/min"),
@@ -40,6 +42,11 @@ class Quantity:
         """A stored value as it is read; a dash if there is none, and a digit less if it is ``rough``."""
         form = f".{int(self.form[1]) - 1}f" if rough else self.form
         return written(self.factor * value, form)
+
+
+def harmonic(order: float) -> Quantity:
+    """Amplitude of the transmission error at a multiple of the mesh frequency."""
+    return Quantity(f"transmission error, order {order:g}", "µrad", ".2f")
 
 
 def written(value: float, form: str) -> str:
@@ -78,6 +85,13 @@ LOADED = {
     "max_pressure_profile": Quantity("greatest pressure, from the root", "%", ".0f", 100.0),
     "max_pressure_position": Quantity("greatest pressure, mesh position", "", ".2f"),
 }
+GEAR_TORQUE = Quantity("torque of the gear, without losses", "N m", ".4g")
+PINION_POWER = Quantity("power of the pinion", "kW", ".4g", 1e-3)
+#: Lengths at the mean pitch radius and along the common normal: of an angle [urad] times a radius or an arm [mm].
+ERROR_AT_RADIUS = Quantity("transmission error at the mean pitch radius, peak to peak", "µm", ".3f", 1e-3)
+ERROR_ALONG_NORMAL = Quantity("transmission error along the normal, peak to peak", "µm", ".3f", 1e-3)
+#: N m/urad is 1e9 N mm/rad; over an arm and a face width, in mm^2 and mm, that is N/mm^2, a thousandth of it N/(um mm).
+STIFFNESS_BY_WIDTH = Quantity("mesh stiffness along the normal by face width", "N/(µm mm)", ".2f", 1e6)
 EDGE_SHARE = Quantity("greatest share on tooth edges", "%", ".1f", 100.0)
 ROOT_STRESS = Quantity("greatest root stress", "MPa", ".0f", column="root stress\nMPa")
 #: Numbers without load, by their names in ``key_numbers``, with the variables or attributes that they are.
