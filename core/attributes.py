@@ -193,12 +193,12 @@ VARIABLES: Mapping[str, tuple[str, str] | tuple[str, str, str]] = {
     ),
     # wear
     "step": ("1", "step of the wear", "0 at the start"),
-    "wear_depth": ("um", "depth of wear", "along the normal of the member's own flank"),
+    "wear_depth": ("um", "wear depth", "along the normal of the member's own flank"),
     "revolutions": ("1", "revolutions of the pinion"),
     "revolution_share": ("1", "share of the revolutions at each torque"),
     "largest_depth": ("um", "greatest wear depth"),
     "removed_volume": ("mm3", "volume worn off one tooth", "from force and sliding"),
-    "depth_integral": ("mm3", "integral of the depth of wear", "volume worn off one tooth"),
+    "depth_integral": ("mm3", "integral of the wear depth", "volume worn off one tooth"),
     # load cases
     "load_case": ("", "load case"),
     "offset": ("mm", "E: increase of the offset"),
@@ -265,7 +265,7 @@ VARIABLES: Mapping[str, tuple[str, str] | tuple[str, str, str]] = {
     "gear_axial_error": ("mm", "assembly error G"),
     "shaft_angle_error": ("rad", "assembly error Sigma"),
     "max_line_load": ("N mm-1", "greatest line load"),
-    "max_end_load": ("N mm-1", "greatest line load at line ends"),
+    "max_end_load": ("N mm-1", "greatest line load at the edges"),
     "least_line_load": ("N mm-1", "line load if evenly spread", "in the worst mesh position"),
     "load_norm": ("N mm-0.5", "load norm", "root of the sum of line load squared times length"),
     "programme": ("1", "number of the convex programme"),
