@@ -200,7 +200,7 @@ def correct(
         write_case(case_correction.case, output, _executed(case, case_correction.corrections))
         echo(f"wrote {output}")
     if plots is not None:
-        from ..plot.contact_figures import write_topographies
+        from ..plot.topography_chart import write_topographies
 
         for path in write_topographies(case_correction, plots, Path(case).stem):
             echo(f"wrote {path}")

@@ -11,7 +11,7 @@ import inspect
 import math
 import os
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from functools import cached_property, partial, update_wrapper
 from importlib import import_module
 from itertools import product
@@ -24,13 +24,13 @@ import xarray as xr
 from ...core.errors import InputError, suggestion
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import key_numbers
-from ..report.report_tables import loaded_numbers, misalignment_rows
-from ..result_layout import VARIABLES, faults, load_case_faults
-from ..summary.deflection_report import ERRORS, mean_misalignment
+from ..report.report_tables import loaded_numbers
+from ..result_layout import CONDITIONS, VARIABLES, faults, load_case_faults
+from ..summary.deflection_report import ERRORS, deflection_tables, mean_misalignment
 from ..summary.load_case_summary import load_case_notes, load_case_tables
-from ..summary.result_summary import CLAMPED_NOTE, ROUGH_NOTE, head_rows, is_rough, result_notes, unloaded_rows
+from ..summary.result_summary import contact_temperatures, efficiency_table, head_rows, result_notes, unloaded_rows
 from ..summary.supports_report import SHARES, bearing_loads, supports_tables
-from ..summary.table import html_table, html_text
+from ..summary.table import html_table, html_text, left_out
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,7 +40,61 @@ if TYPE_CHECKING:
 FAULT_COUNT_LIMIT = 3  # that a message names
 
 
-class ResultSummary:
+class ShownSummary:
+    """Summary that a terminal shows as text."""
+
+    text: Any  # as a string
+
+    def __str__(self) -> str:
+        return str(self.text)
+
+    __repr__ = __str__
+
+
+class ShownPictures:
+    """Pictures by their names, as methods."""
+
+    kind = ""  # of what is drawn
+
+    def __repr__(self) -> str:
+        return f"pictures of a {self.kind}: {', '.join(dir(self))}"
+
+    def __getattr__(self, name: str) -> Callable[..., Any]:
+        if name.startswith("_"):
+            raise AttributeError(name)
+        there = dir(self)
+        if name not in there:
+            known = ", ".join(there)
+            raise AttributeError(f"there is no picture {name!r}; there are: {known}{suggestion(name, there)}")
+        return self._bound(name)
+
+    def _bound(self, name: str) -> Callable[..., Any]:
+        """Picture of a name."""
+        raise NotImplementedError
+
+
+class ShownContent:
+    """Content of a dataset or tree: a notebook shows its summary, or what is wrong with it."""
+
+    def summary(self) -> Any:
+        """Summary of the content; InputError if it is none."""
+        raise NotImplementedError
+
+    def __repr__(self) -> str:
+        try:
+            return str(self.summary().text)
+        except InputError as error:
+            return str(error)
+
+    def _repr_html_(self) -> str | None:
+        try:
+            page: str = self.summary()._repr_html_()
+        except InputError:
+            return None  # a notebook shows the text instead
+        return page
+
+
+class ResultSummary(ShownSummary):
     """Summary of a result: printed it is the text of ``easeoff show``, in a notebook a short page.
 
     Parameters
@@ -82,17 +136,11 @@ class ResultSummary:
         """
         return summary_frames(self._tree)
 
-    def __str__(self) -> str:
-        return self.text
-
-    def __repr__(self) -> str:
-        return self.text
-
     def _repr_html_(self) -> str:
         return result_page(self._tree)
 
 
-class ResultPlots:
+class ResultPlots(ShownPictures):
     """Pictures of a result: every function of ``easeoff.plot`` that takes one, as a method.
 
     Parameters
@@ -107,23 +155,16 @@ class ResultPlots:
     True
     """
 
+    kind = "result"
+
     def __init__(self, tree: xr.DataTree) -> None:
         self._tree = tree
 
     def __dir__(self) -> list[str]:
         return sorted(_pictures())
 
-    def __repr__(self) -> str:
-        return f"pictures of a result: {', '.join(sorted(_pictures()))}"
-
-    def __getattr__(self, name: str) -> Callable[..., Any]:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        functions = _pictures()
-        if name not in functions:
-            known = ", ".join(sorted(functions))
-            raise AttributeError(f"there is no picture {name!r}; there are: {known}{suggestion(name, functions)}")
-        function = functions[name]
+    def _bound(self, name: str) -> Callable[..., Any]:
+        function = _pictures()[name]
         bound = update_wrapper(partial(function, self._tree), function)
         signature = inspect.signature(function)
         others = list(signature.parameters.values())[1:]
@@ -143,7 +184,7 @@ def _pictures() -> dict[str, Callable[..., Any]]:
     }
 
 
-class ResultAccessor:
+class ResultAccessor(ShownContent):
     """Tables, summary and pictures of a result in a notebook: ``tree.easeoff`` of every ``xarray.DataTree``.
 
     Every method raises ``InputError`` if the tree is no result of ``analyze``, ``modify``, ``optimize``,
@@ -249,18 +290,6 @@ class ResultAccessor:
         warnings.warn(f"friction and load cases of the case are left out: {reason}", UserWarning, stacklevel=2)
         return case
 
-    def __repr__(self) -> str:
-        try:
-            return self.summary().text
-        except InputError as error:
-            return str(error)
-
-    def _repr_html_(self) -> str | None:
-        try:
-            return self.summary()._repr_html_()
-        except InputError:
-            return None  # a notebook shows the text instead
-
     def _result(self) -> xr.DataTree:
         """The tree, if it is a result, with all values in memory."""
         tree = self._tree
@@ -277,7 +306,6 @@ class ResultAccessor:
         return tree
 
 
-CONDITION_DIMENSIONS = ("torque", "speed", "temperature", "roughness")
 TORQUE = "torque [N m]"
 #: Units of the data that nobody reads, and what they are shown in: unit and factor.
 READ_UNITS = {
@@ -303,8 +331,8 @@ def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
         parts[part].append(str(name))
     indices: dict[str, tuple[str, ...]] = {
         "unloaded": (),
-        "loaded": CONDITION_DIMENSIONS[:1],
-        "friction": CONDITION_DIMENSIONS,
+        "loaded": CONDITIONS[:1],
+        "friction": CONDITIONS,
     }
     frames = {part: frame_over(numbers[names], indices[part]) for part, names in parts.items() if names}
     assembly = {"misalignment": _misalignment(tree), "supports": _supports(tree)}
@@ -395,34 +423,25 @@ SHOWN_NUMBERS = (
     "loaded/status",
 )
 
-MISALIGNMENT = (TORQUE, *(f"{error.symbol} [{error.unit}]".replace("deg", "°") for error in ERRORS))
-#: Heads of the columns of friction: operating conditions, then numbers with their variable, factor and formats, the
-#: usual one, and that where much of the loss is outside the range of the friction formula.
-CONDITIONS = {"torque": "torque [N m]", "speed": "speed [1/min]", "temperature": "oil [°C]", "roughness": "Rq [µm]"}
-FRICTION = {
-    "friction coefficient": ("mean_friction_coefficient", 1.0, (".4f", ".3f")),
-    "power loss [W]": ("mean_power_loss", 1.0, (".1f", ".0f")),
-    "efficiency [%]": ("efficiency", 100.0, (".2f", ".1f")),
-    "least film [µm]": ("min_film_thickness", 1.0, (".3f", ".3f")),
-    "greatest flash temperature [K]": ("max_flash_temperature", 1.0, (".0f", ".0f")),
-}
-
 
 def result_page(tree: xr.DataTree) -> str:
     """Summary of a result in HTML without a style: pair, contact under load, friction and notes."""
     tree = in_memory(tree)
     parts = [f"<h4>{html_text(tree.attrs['title'])}</h4>"]
     if "load_cases" in tree.children:
-        numbers = tree["load_cases"].to_dataset()
-        for table in load_case_tables(numbers):
-            heads = [head.replace("\n", " ") for head in table.heads]
-            parts += [html_table(heads, table.rows[:ROW_COUNT_LIMIT]), _left(len(table.rows), "load_cases")]
+        tables = load_case_tables(tree["load_cases"].to_dataset())
+        parts += [table.html(ROW_COUNT_LIMIT, "load_cases") for table in tables]
         notes = load_case_notes(tree)
     else:
         parts.append(html_table([], [list(row) for row in head_rows(tree)]))
-        parts += [*_assembly(tree), "<p><b>Without load</b></p>"]
+        assembly = (*deflection_tables(tree), *supports_tables(tree))
+        parts += [*(table.html(ROW_COUNT_LIMIT) for table in assembly), "<p><b>Without load</b></p>"]
         parts.append(html_table([], [[name.strip(), words] for name, words in unloaded_rows(key_numbers(tree))]))
-        parts += ["<p><b>Under load</b></p>", _loaded(tree), *_friction(tree)]
+        parts += ["<p><b>Under load</b></p>", _loaded(tree)]
+        if "friction" in tree.children:
+            friction = tree["friction"].to_dataset()
+            tables = [efficiency_table(friction), *contact_temperatures(friction)]
+            parts += [table.html(ROW_COUNT_LIMIT) for table in tables]
         notes = result_notes(tree)
     if notes:
         entries = "".join(f"<li>{html_text(note.removeprefix('Note: '))}</li>" for note in notes)
@@ -440,49 +459,5 @@ def _loaded(tree: xr.DataTree) -> str:
         for name, unit, variable, *values in numbers["rows"]
         if variable in SHOWN_NUMBERS
     ]
-    left = _left(len(numbers["torques"]), "loaded", TORQUE_COUNT_LIMIT)
-    return html_table(["torque at the pinion [N m]", *torques], rows) + left
-
-
-def _assembly(tree: xr.DataTree) -> list[str]:
-    """Tables of the misalignment over the torque, and of the supports, if the result has them."""
-    parts = []
-    if rows := misalignment_rows(tree):
-        parts.append(
-            _titled("Misalignment over the torque, mean over the mesh cycle", MISALIGNMENT, rows, "misalignment")
-        )
-    for table in (one.page() for one in supports_tables(tree)):
-        parts.append(_titled(table["title"], table["heads"], table["rows"], "supports"))
-    return parts
-
-
-def _titled(title: str, heads: Sequence[str], rows: Sequence[Sequence[str]], name: str) -> str:
-    """A table under its title."""
-    return f"<p><b>{html_text(title)}</b></p>" + html_table(heads, rows[:ROW_COUNT_LIMIT]) + _left(len(rows), name)
-
-
-def _friction(tree: xr.DataTree) -> list[str]:
-    """Table of friction and efficiency, a row an operating condition, if the result has it."""
-    if "friction" not in tree.children:
-        return []
-    friction = tree["friction"].to_dataset()
-    names = tuple(CONDITIONS)
-    shown = {head: row for head, row in FRICTION.items() if row[0] in friction}
-    values = {head: factor * friction[name].transpose(*names).values for head, (name, factor, _) in shown.items()}
-    conditions = list(np.ndindex(*(friction.sizes[name] for name in names)))
-    rough, clamped = is_rough(friction), friction["temperature_clamped"].values
-    rows = []
-    for at in conditions[:ROW_COUNT_LIMIT]:
-        words = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
-        words[2] += "*" if clamped[at[2]] else ""
-        rows.append(words + [format(values[head][at], forms[int(rough[at])]) for head, (_, _, forms) in shown.items()])
-    notes = [ROUGH_NOTE] * bool(rough.any()) + [CLAMPED_NOTE] * bool(clamped.any())
-    paragraphs = [f"<p>{html_text(note)}</p>" for note in notes]
-    return [html_table([*CONDITIONS.values(), *shown], rows), _left(len(conditions), "friction"), *paragraphs]
-
-
-def _left(count: int, name: str, limit: int = ROW_COUNT_LIMIT) -> str:
-    """Number of rows or columns of a table that are not shown, and their place, in HTML."""
-    return (
-        f"<p>and {count - limit} more: <code>summary().tables[&quot;{name}&quot;]</code></p>" if count > limit else ""
-    )
+    beyond = left_out(len(numbers["torques"]), TORQUE_COUNT_LIMIT, "loaded")
+    return html_table(["torque at the pinion [N m]", *torques], rows) + beyond

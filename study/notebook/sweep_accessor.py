@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from ...core.errors import InputError, suggestion
+from ...core.errors import InputError
 from ..summary.sweep_report import (
     SENSITIVE_NUMBERS,
     SHOWN_PERCENT,
@@ -31,7 +31,7 @@ from ..summary.sweep_report import (
 from ..summary.table import html_table, html_text
 from ..sweep.reductions import LOADS, numbers, percentiles, point_dimensions, sensitivities, worst_points
 from ..sweep.sweep_file import is_sweep, sweep_faults, write_sweep
-from .result_accessor import frame_over
+from .result_accessor import ShownContent, ShownPictures, ShownSummary, frame_over
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class SweepSummary:
+class SweepSummary(ShownSummary):
     """Summary of a sweep: printed it is the text of ``easeoff show``, in a notebook a short page.
 
     Parameters
@@ -71,17 +71,11 @@ class SweepSummary:
         """
         return sweep_frames(self._dataset)
 
-    def __str__(self) -> str:
-        return self.text
-
-    def __repr__(self) -> str:
-        return self.text
-
     def _repr_html_(self) -> str:
         return sweep_page(self._dataset)
 
 
-class SweepPlots:
+class SweepPlots(ShownPictures):
     """Pictures of a sweep: ``plot()`` is the first that it has, ``plot.map()`` and so on one by its name.
 
     Parameters
@@ -97,35 +91,28 @@ class SweepPlots:
     pictures of a sweep: curves, pattern
     """
 
+    kind = "sweep"
+
     def __init__(self, dataset: xr.Dataset) -> None:
         self._dataset = dataset
 
     def __call__(self, picture: str | None = None, **options: Any) -> Figure | None:
         """Draw a picture; arguments as of ``easeoff.plot.sweep``."""
-        from ..plot.study_figures import sweep
+        from ..plot.sweep_charts import sweep
 
         figure: Figure | None = sweep(self._dataset, picture, **options)
         return figure
 
     def __dir__(self) -> list[str]:
-        from ..plot.study_charts import short_names
+        from ..plot.sweep_charts import short_names
 
         return list(short_names(self._dataset))
 
-    def __repr__(self) -> str:
-        return f"pictures of a sweep: {', '.join(dir(self))}"
-
-    def __getattr__(self, name: str) -> Callable[..., Figure | None]:
-        if name.startswith("_"):
-            raise AttributeError(name)
-        there = dir(self)
-        if name not in there:
-            known = ", ".join(there)
-            raise AttributeError(f"there is no picture {name!r}; there are: {known}{suggestion(name, there)}")
+    def _bound(self, name: str) -> Callable[..., Figure | None]:
         return partial(self, name)
 
 
-class SweepAccessor:
+class SweepAccessor(ShownContent):
     """Tables, summary and pictures of a sweep in a notebook: ``found.easeoff`` of every ``xarray.Dataset``.
 
     Every method raises ``InputError`` if the dataset is none of ``sweep`` or ``study.sweep.read_sweep``.
@@ -165,18 +152,6 @@ class SweepAccessor:
         """
         write_sweep(self._sweep(), path)
         return Path(path)
-
-    def __repr__(self) -> str:
-        try:
-            return self.summary().text
-        except InputError as error:
-            return str(error)
-
-    def _repr_html_(self) -> str | None:
-        try:
-            return self.summary()._repr_html_()
-        except InputError:
-            return None  # a notebook shows the text instead
 
     def _sweep(self) -> xr.Dataset:
         return _checked_sweep(self._dataset)
@@ -240,8 +215,5 @@ def sweep_page(dataset: xr.Dataset) -> str:
     parts = [f"<h4>{html_text(sweep_title(dataset))}</h4>"]
     parts.append(html_table([], [list(row) for row in sweep_head(dataset)]))
     parts += [f"<p>{html_text(line)}</p>" for line in (outcome(dataset), *failure_reasons(dataset))]
-    for table in sweep_tables(dataset):
-        parts += [f"<p><b>{html_text(table.title)}</b></p>", html_table(table.heads, table.rows)]
-        if table.note:
-            parts.append(f"<p>{html_text(table.note)}</p>")
+    parts += [table.html() for table in sweep_tables(dataset)]
     return "<div>\n" + "\n".join(parts) + "\n</div>"

@@ -1,24 +1,21 @@
-from .contact_figures import (
-    contact_pattern as contact_pattern,
-    deviations as deviations,
-    ease_off as ease_off,
-    efficiency as efficiency,
-    friction_maps as friction_maps,
+from .contact_pattern_chart import contact_pattern as contact_pattern
+from .ease_off_map import ease_off as ease_off
+from .friction_charts import efficiency as efficiency, friction_maps as friction_maps
+from .mesh_cycle_charts import (
     load_sharing as load_sharing,
-    misalignment as misalignment,
     pressure as pressure,
     root_stress as root_stress,
-    topography as topography,
     transmission_error as transmission_error,
 )
-from .study_figures import (
+from .study_charts import (
     front as front,
     load_cases as load_cases,
-    optimization as optimization,
-    sweep as sweep,
-    vh_check as vh_check,
+    misalignment as misalignment,
     wear as wear,
 )
+from .sweep_charts import sweep as sweep
+from .topography_chart import deviations as deviations, optimization as optimization, topography as topography
+from .vh_chart import vh_check as vh_check
 from .written_pictures import pictures as pictures, write_pictures as write_pictures
 
 __all__: list[str]

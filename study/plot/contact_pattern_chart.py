@@ -8,31 +8,36 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.contour import ContourSet
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from matplotlib.path import Path
-from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...contact.evaluation.carrying_error import CarryingError
 from ...contact.evaluation.flank_region import FlankRegion
-from ...contact.evaluation.marking_print import MarkingPrint
+from ...contact.evaluation.marking_print import MarkingPrint, checked_thickness
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.solvers import Status
 from ...core.arrays import Array
+from ...geometry.tooth.tooth_flanks import MemberName
+from .drawing_style import picture
+from .drawn_result import flank_views, require_result
 from .mesh_cycle_charts import draw_surface, pressure_levels
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, legend_at_foot, panel_titles, torque_name
-from .panel_grid import OwnAxes, chosen_parts, panels
-from .pattern_lines import contact_pattern, draw_pattern, path_beyond
+from .panel_grid import chosen_parts, panels
+from .pattern_lines import contact_pattern as pattern_of, draw_pattern, path_beyond
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.contour import ContourSet
+    from matplotlib.figure import Figure
+    from matplotlib.path import Path
+    from matplotlib.tri import Triangulation
+
+    from .panel_grid import AxesChoice
 
 FLANK_NAMES = {"gear": "gear flank", "pinion": "pinion flank"}
 COMPOUND = "#7FB2D6"  # colour of the marking compound
@@ -42,14 +47,50 @@ DRAWN_GRID = (481, 241)  # points of a drawn print along the face and the profil
 CENTRE_STYLE: dict[str, Any] = {"linestyle": "none", "marker": "o", "markersize": 3.5, "color": INK}
 
 
-def draw(
+@picture
+def contact_pattern(
     tree: xr.DataTree,
-    views: tuple[ToothView, ...],
-    marking: float | None = None,
+    *,
+    member: MemberName | None = None,
     parts: str | Sequence[str] | None = None,
-    own: OwnAxes = None,
-) -> Figure:
-    """Draw the contact pattern of a result; arguments as of ``contact_figures.contact_pattern``."""
+    marking: float | None = None,
+    axes: AxesChoice = None,
+) -> Figure | None:
+    """Contact pattern without load and at light load.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    member
+        ``gear`` or ``pinion``; both, side by side, if left out.
+    parts
+        Rows of panels: ``lines`` (contact lines and path of contact), ``print`` (marking print), ``light_load``; all if
+        left out.
+    marking
+        Thickness of the marking compound [um]; that of the result if left out.
+    axes
+        An Axes a panel, row by row; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, a name is not known, the thickness is out of range, or ``axes`` are not as many as the
+        panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> figure = easeoff.plot.contact_pattern(tree, member="gear", parts="print")
+    >>> figure.axes[0].get_title(loc="left")
+    'marking print, 6 µm'
+    """
+    require_result(tree)
+    if marking is not None:
+        checked_thickness(marking)
+    views = flank_views(tree, member)
     unloaded = tree["unloaded"].to_dataset()
     separation = float(unloaded.attrs.get("separation", float("nan")))
     thickness = separation if marking is None else marking
@@ -59,10 +100,10 @@ def draw(
     note = f"contact lines where the gap is within {separation:g} µm · toe left, tip at the top"
     if light is not None and math.isfinite(float(light["max_pressure"])) and "light_load" in names:
         note += f" · light load: yellow to dark red, 0 to {float(light['max_pressure']):.0f} MPa"
-    subplots = panels(tree, "Contact pattern", height, note, (len(names), len(views)), own)
+    subplots = panels(tree, "Contact pattern", height, note, (len(names), len(views)), axes)
     grid = subplots.axes.reshape(len(names), len(views))
     rows = dict(zip(names, grid, strict=True))
-    pattern = contact_pattern(unloaded, views[0].fields)
+    pattern = pattern_of(unloaded, views[0].fields)
     error = CarryingError.of(unloaded, 2.0 * math.pi / tree.attrs["pinion_teeth"])
     printed, region = None, None
     if error.is_known:
@@ -72,21 +113,21 @@ def draw(
     for column, view in enumerate(views):
         left = column == 0
         if "lines" in rows:
-            axes, shown = rows["lines"][column], (names[-1] == "lines", left)
-            draw_pattern(axes, view, pattern, labels=shown)
-            panel_titles(axes, FLANK_NAMES[view.member], "contact lines, path of contact")
+            panel, shown = rows["lines"][column], (names[-1] == "lines", left)
+            draw_pattern(panel, view, pattern, labels=shown)
+            panel_titles(panel, FLANK_NAMES[view.member], "contact lines, path of contact")
         if "print" in rows:
-            axes, shown = rows["print"][column], (names[-1] == "print", left)
-            draw_flank(axes, view, labels=shown)
+            panel, shown = rows["print"][column], (names[-1] == "print", left)
+            draw_flank(panel, view, labels=shown)
             if region is not None and printed is not None:
-                draw_print(axes, view, printed, region)
+                draw_print(panel, view, printed, region)
             said = "no unloaded contact" if region is None else size_name(region)
-            panel_titles(axes, f"marking print, {thickness:g} µm", said if left else "")
+            panel_titles(panel, f"marking print, {thickness:g} µm", said if left else "")
         if light is not None and surface is not None and "light_load" in rows:
-            axes, shown = rows["light_load"][column], (names[-1] == "light_load", left)
-            draw_flank(axes, view, labels=shown)
-            draw_surface(axes, view, surface, pressure_levels(surface.peak if surface.pressure.size else 1.0))
-            panel_titles(axes, f"light load, {torque_name(float(light['torque']))}", _light(light) if left else "")
+            panel, shown = rows["light_load"][column], (names[-1] == "light_load", left)
+            draw_flank(panel, view, labels=shown)
+            draw_surface(panel, view, surface, pressure_levels(surface.peak if surface.pressure.size else 1.0))
+            panel_titles(panel, f"light load, {torque_name(float(light['torque']))}", _light(light) if left else "")
     side_by_side(grid)
     if subplots.on_page:
         legend_at_foot(subplots.figure, _entries(), LEGEND_HEIGHT)
@@ -120,6 +161,9 @@ def _light(light: xr.Dataset) -> str:
 
 def _entries() -> list[Any]:
     """Entries of the legend."""
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+
     return [
         Line2D([], [], color=VERMILION, linewidth=1.8, label="path of contact, carrying pair"),
         path_beyond("path of contact, before and after"),
@@ -183,6 +227,8 @@ def border_sides(mesh: Triangulation) -> NDArray[np.int64]:
 
 def without_border(mesh: Triangulation) -> Triangulation:
     """Triangles without those that have a corner on the border."""
+    from matplotlib.tri import Triangulation
+
     at_border = np.zeros(mesh.x.size, dtype=bool)
     at_border[border_sides(mesh)] = True
     hidden = np.any(at_border[mesh.triangles], axis=1)
@@ -191,6 +237,8 @@ def without_border(mesh: Triangulation) -> Triangulation:
 
 def without_steep(mesh: Triangulation, values: Array, steepest: float) -> Triangulation:
     """Triangles without those on which values (n) at the corners are steeper than a limit [1/mm]."""
+    from matplotlib.tri import Triangulation
+
     plane = np.stack([mesh.x, mesh.y, values], axis=1)[mesh.triangles]
     normal = np.cross(plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0])
     normal *= np.sign(normal[:, 2:])
@@ -212,6 +260,8 @@ def dense(line: Array, parts: int = 200) -> Array:
 
 def drop_short(lines: ContourSet, shortest: float) -> None:
     """Remove pieces of contour lines that are shorter than a length [mm]."""
+    from matplotlib.path import Path
+
     paths = []
     for level in lines.allsegs:
         kept = [Path(piece) for piece in level if np.hypot(*np.diff(piece, axis=0).T).sum() >= shortest]

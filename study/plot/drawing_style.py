@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import importlib
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING, Any, ParamSpec
 
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+P = ParamSpec("P")
 #: File that matplotlib looks for in the current folder when it is loaded.
 CONFIGURATION = "matplotlibrc"
 
@@ -31,6 +37,22 @@ def drawing(axes: object) -> Iterator[None]:
     with matplotlib.rc_context():
         matplotlib.rcdefaults()
         yield
+
+
+def picture(draw: Callable[P, Figure | None]) -> Callable[P, Figure | Any]:
+    """Function that draws a page, or on ``axes`` of the caller: it then returns nothing, so a notebook shows them once.
+
+    Whoever gives no axes always gets a figure: ``Any`` spares them a question that the types cannot answer.
+    """
+
+    @functools.wraps(draw)
+    def drawn(*arguments: P.args, **options: P.kwargs) -> Figure | Any:
+        axes = options.get("axes")
+        with drawing(axes):
+            figure = draw(*arguments, **options)
+        return figure if axes is None else None
+
+    return drawn
 
 
 def _load() -> None:

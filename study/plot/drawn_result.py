@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import xarray as xr
 
@@ -13,12 +12,7 @@ from ...geometry.tooth.tooth_flanks import MemberName
 from ..result_layout import VARIABLES
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-
     from .tooth_view import ToothView
-
-    DrawnAxes: TypeAlias = Axes | Iterable[Axes]
-    AxesChoice: TypeAlias = DrawnAxes | None
 
 #: What makes a group that not every result has.
 MADE_BY = {
@@ -43,7 +37,7 @@ def require_result(tree: object, *groups: str) -> None:
             raise InputError(f"tree: the result has no group {group!r}: {hint}")
 
 
-def views(tree: xr.DataTree, member: str | None = None) -> tuple[ToothView, ...]:
+def flank_views(tree: xr.DataTree, member: str | None = None) -> tuple[ToothView, ...]:
     """Views of the flanks of gear and pinion, or of one of them."""
     from .panel_grid import chosen_parts
     from .tooth_view import tooth_view

@@ -8,18 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib import colormaps
-from matplotlib.axes import Axes
-from matplotlib.colors import Colormap, LinearSegmentedColormap
-from matplotlib.contour import ContourSet
-from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
-from matplotlib.ticker import MaxNLocator
-from matplotlib.tri import Triangulation
 
 from ...contact.evaluation.tooth_passage import two_cycles
 from ...contact.lines.contact_lines import boundary_distance
@@ -29,8 +21,10 @@ from ...core.errors import InputError
 from ...friction import FrictionModel
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...friction.operation import named_models
+from ..result_layout import CONDITIONS
+from ..summary.curves import efficiency_chart
 from ..summary.plausibility import TOLD_SHARE, range_notes
-from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS
+from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS, roughness_words, value_name
 from .contact_pattern_chart import (
     drop_short,
     number_lines,
@@ -40,6 +34,8 @@ from .contact_pattern_chart import (
     without_border,
     without_steep,
 )
+from .drawing_style import picture
+from .drawn_result import flank_views, require_result
 from .page import (
     BODY_SIZE,
     GREY,
@@ -50,12 +46,23 @@ from .page import (
     in_print,
     label_axes,
     legend_of_curves,
+    middle,
+    panel_titles,
     plain_axes,
     plain_bar,
+    torque_colours,
     torque_name,
 )
-from .panel_grid import TORQUE_TOLERANCE, OwnAxes, chosen_parts, panels
+from .panel_grid import TORQUE_TOLERANCE, chosen_parts, panels
 from .tooth_view import ToothView, draw_flank, fine_grid
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.colors import Colormap
+    from matplotlib.contour import ContourSet
+    from matplotlib.figure import Figure
+
+    from .panel_grid import AxesChoice
 
 COLOUR_MAPS = {
     "rolling_velocity": "Blues",
@@ -130,6 +137,10 @@ def draw_values(
     axes: Axes, view: ToothView, flank_map: FlankMap, colours: str, levels: Array | None = None
 ) -> ContourSet | None:
     """Draw a map in shades between labelled contour lines and return the shades; text if it has too few points."""
+    from matplotlib.patches import PathPatch
+    from matplotlib.ticker import MaxNLocator
+    from matplotlib.tri import Triangulation
+
     x, y = view.in_plane(flank_map.points)
     finite = np.isfinite(flank_map.values)
     if np.sum(finite) < 4 or np.ptp(flank_map.values[finite]) == 0.0:
@@ -176,10 +187,13 @@ def draw_values(
 
 def pale(name: str) -> Colormap:
     """Lighter part of a colour map, on which dark numbers are legible."""
+    from matplotlib import colormaps
+    from matplotlib.colors import LinearSegmentedColormap
+
     return LinearSegmentedColormap.from_list(f"pale {name}", colormaps[name](np.linspace(0.0, COLOUR_LIMIT, 64)))
 
 
-def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: Array | None = None) -> None:
+def draw_panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: Array | None = None) -> None:
     """Draw a map on an empty flank, with its name and range above and a colour bar beside it."""
     draw_flank(axes, view, labels=(False, False))
     axes.tick_params(bottom=False, left=False, labelleft=False)
@@ -187,35 +201,68 @@ def panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, levels: A
     if shading is not None:
         figure: Any = axes.get_figure(root=True)
         plain_bar(figure.colorbar(shading, ax=axes, shrink=0.75, aspect=14, pad=0.02), "")
-    axes.set_title(QUANTITY_NAMES[name], loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
-    finite = flank_map.values[np.isfinite(flank_map.values)]
+    extent, finite = "", flank_map.values[np.isfinite(flank_map.values)]
     if finite.size:
         low, high = float(finite.min()), float(finite.max())
         digits = int(np.clip(2 - np.floor(np.log10(max(high, 1e-9))), 0, 6))
         extent = f"{low:.{digits}f} to {high:.{digits}f}"
-        axes.set_title(extent, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+    panel_titles(axes, QUANTITY_NAMES[name], extent)
 
 
 def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
     """Middle torque, speed, temperature and roughness of a result."""
-    middle = {name: friction[name].values for name in ("torque", "speed", "temperature", "roughness")}
-    return {name: float(np.sort(values)[(values.size - 1) // 2]) for name, values in middle.items()}
+    return {name: float(friction[name].values[middle(friction[name].values)]) for name in CONDITIONS}
 
 
 def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
     """RMS roughness [um] of a number as pictures show it: pinion/gear if the flanks differ."""
-    pinion, gear = (float(friction[f"roughness_{member}"].values[index]) for member in ("pinion", "gear"))
-    return f"{pinion:.4g} µm" if pinion == gear else f"{pinion:.4g}/{gear:.4g} µm"
+    return f"{roughness_words(friction, index)} µm"
 
 
-def draw_friction_maps(
+@picture
+def friction_maps(
     tree: xr.DataTree,
-    view: ToothView,
-    conditions: Mapping[str, float | None] | None = None,
+    *,
+    torque: float | None = None,
+    speed: float | None = None,
+    temperature: float | None = None,
+    roughness: float | None = None,
     quantities: str | Sequence[str] | None = None,
-    own: OwnAxes = None,
-) -> Figure:
-    """Draw the friction maps of a result; arguments as of ``contact_figures.friction_maps``."""
+    axes: AxesChoice = None,
+) -> Figure | None:
+    """Velocities, film, friction and temperature over the gear flank, at one operating condition.
+
+    Parameters
+    ----------
+    tree
+        A result with friction.
+    torque, speed, temperature, roughness
+        Torque at the pinion [N m], its speed [1/min], temperature of the oil [degC] and roughness [um], of those that
+        the result has; the middle ones if left out.
+    quantities
+        Panels: ``rolling_velocity``, ``sliding_velocity``, ``slide_to_roll``, ``equivalent_radius``, ``lambda_ratio``,
+        ``friction_coefficient``, ``flash_temperature``, ``pressure_velocity``; all if left out.
+    axes
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result with friction, it does not have a condition or a quantity, or ``axes`` are not as many
+        as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], speed=1500.0)
+    >>> figure = easeoff.plot.friction_maps(tree, quantities="sliding_velocity")
+    >>> figure.axes[0].get_title(loc="left")
+    'sliding velocity [m/s]'
+    """
+    require_result(tree, "loaded", "friction")
+    view = flank_views(tree, "gear")[0]
+    conditions = {"torque": torque, "speed": speed, "temperature": temperature, "roughness": roughness}
     friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
     at = chosen_condition(friction) | _given(friction, conditions or {})
     index = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
@@ -238,9 +285,9 @@ def draw_friction_maps(
     rows, columns = -(-len(names) // 2), min(2, len(names))
     height = rows * ((WIDTH - 0.4) / columns * view.aspect + 0.25)
     heading = "Sliding, rolling and friction, gear flank"
-    subplots = panels(tree, heading, height, note, (rows, columns), own, count=len(names))
-    for axes, name in zip(subplots.axes, names, strict=True):
-        panel(axes, view, name, maps[name])
+    subplots = panels(tree, heading, height, note, (rows, columns), axes, count=len(names))
+    for panel, name in zip(subplots.axes, names, strict=True):
+        draw_panel(panel, view, name, maps[name])
     return subplots.figure
 
 
@@ -274,49 +321,35 @@ def curves(
 
     Marks are computed points; open ones have more than ``TOLD_SHARE`` of the loss beyond the formula's range.
     """
-    quantity = 100.0 * friction["efficiency"]
-    fixed = {name: int(np.argmax(quantity[name].values == at[name])) for name in at if name not in (along, by)}
-    efficiency = quantity.isel(fixed).transpose(by, along)
-    order = np.argsort(efficiency[along].values)
-    chosen = evenly_chosen(efficiency[by].values, CURVE_COUNT_LIMIT)
-    shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
-    for index, colour in zip(chosen, shades, strict=True):
-        label = value_name(quantity, by, int(index))
-        x, y = efficiency[along].values[order], efficiency.values[index][order]
-        axes.plot(x, y, color=colour, linewidth=1.6, label=label)
-        if order.size > MARKED_COUNT_LIMIT:
+    numbers = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
+    chosen = evenly_chosen(friction[by].values, CURVE_COUNT_LIMIT)
+    chart = efficiency_chart(friction, along, by, numbers, chosen)
+    for index, curve, colour in zip(chosen, chart.curves, torque_colours(friction[by].values[chosen]), strict=True):
+        x, y = curve.x, curve.y
+        axes.plot(x, y, color=colour, linewidth=1.6, label=curve.name)
+        if x.size > MARKED_COUNT_LIMIT:
             continue
-        out = np.zeros(order.size, dtype=bool)
+        out = np.zeros(x.size, dtype=bool)
         if "extrapolated_share" in friction:
-            out = friction["extrapolated_share"].isel(fixed).transpose(by, along).values[index][order] >= TOLD_SHARE
+            place = {name: number for name, number in numbers.items() if name != along} | {by: int(index)}
+            out = friction["extrapolated_share"].isel(place).sortby(along).values >= TOLD_SHARE
         axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
         axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
-    plain_axes(axes, CONDITION_LABELS[along])
+    plain_axes(axes, chart.abscissa or chart.kind.x)
     low, high = axes.get_ylim()
     more = max(0.0, 0.5 * (EFFICIENCY_SPAN_MINIMUM - (high - low)))
     axes.set_ylim(low - more, high + more)
-    if along == "roughness":
-        name_pairs(axes, quantity)
-    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, efficiency.sizes[by], by))
+    if chart.abscissa:
+        name_pairs(axes, friction)
+    legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, friction.sizes[by], by))
 
 
-def name_pairs(axes: Axes, quantity: xr.DataArray) -> None:
-    """Label an axis of roughnesses with those of both flanks, if they differ."""
-    values, indices = np.unique(quantity["roughness"].values, return_index=True)
-    names = [roughness_name(quantity, int(index)).removesuffix(" µm") for index in indices]
-    if not any("/" in name for name in names):
-        return
-    label = "quadratic mean of both flanks' RMS roughnesses [µm]"
+def name_pairs(axes: Axes, friction: xr.Dataset) -> None:
+    """Name roughnesses on an axis by those of both flanks, if there is room."""
+    values, indices = np.unique(friction["roughness"].values, return_index=True)
     if values.size <= ROUGHNESS_TICK_LIMIT and np.all(np.diff(values) > TICK_DISTANCE * np.ptp(values)):
-        axes.set_xticks(values, names)
-        label = "RMS roughness, pinion/gear where they differ [µm]"
-    label_axes(axes, label)
-
-
-def value_name(quantity: xr.DataArray | xr.Dataset, condition: str, index: int) -> str:
-    """Value of an operating condition with its unit."""
-    value = float(quantity[condition].values[index])
-    return roughness_name(quantity, index) if condition == "roughness" else f"{value:.4g} {CONDITION_UNITS[condition]}"
+        axes.set_xticks(values, [roughness_words(friction, int(index)) for index in indices])
+        label_axes(axes, "RMS roughness, pinion/gear where they differ [µm]")
 
 
 def how_many(drawn: int, count: int, condition: str) -> str:
@@ -330,8 +363,7 @@ def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float], *, on
     loss = 100.0 * (1.0 - friction["mesh_efficiency"].isel(fixed).transpose("torque", "mesh_position").values)
     torques = friction["torque"].values
     chosen = evenly_chosen(torques, CURVE_COUNT_LIMIT)
-    shades = colormaps["viridis"](np.linspace(0.0, 0.82, chosen.size) if chosen.size > 1 else [0.35])
-    for index, colour in zip(chosen, shades, strict=True):
+    for index, colour in zip(chosen, torque_colours(torques[chosen]), strict=True):
         times, values = two_cycles(loss[index])
         axes.plot(times, values, color=colour, linewidth=1.6, label=f"{torques[index]:.4g} N m")
     axes.set_xlim(0, 2)
@@ -339,8 +371,36 @@ def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float], *, on
     legend_of_curves(axes, on_page=on_page, heading=how_many(chosen.size, torques.size, "torque"))
 
 
-def draw_efficiency(tree: xr.DataTree, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
-    """Draw the efficiency chart of a result with friction; arguments as of ``contact_figures.efficiency``."""
+@picture
+def efficiency(
+    tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None
+) -> Figure | None:
+    """Power loss over the mesh cycle, and efficiency over every operating condition that varies.
+
+    Parameters
+    ----------
+    tree
+        A result with friction.
+    parts
+        Panels: ``cycle``, and those of ``speed``, ``torque``, ``temperature`` and ``roughness`` of which the result has
+        several; all if left out.
+    axes
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result with friction, a part is not known, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0], speed=[500.0, 1500.0])
+    >>> len(easeoff.plot.efficiency(tree).axes)
+    2
+    """
+    require_result(tree, "loaded", "friction")
     friction = tree["friction"].to_dataset()
     at = chosen_condition(friction)
     varied = [name for name in CONDITION_LABELS if friction.sizes[name] > 1]
@@ -350,16 +410,16 @@ def draw_efficiency(tree: xr.DataTree, parts: str | Sequence[str] | None = None,
     beyond = [marks] if bool((friction.get("extrapolated_share", xr.DataArray(0.0)) >= TOLD_SHARE).any()) else []
     note = " · ".join([named_models(friction.attrs), *in_print(range_notes(friction)), *beyond])
     shape, count = (rows, columns), len(names)
-    subplots = panels(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note, shape, own, count=count)
-    for axes, name in zip(subplots.axes, names, strict=True):
+    subplots = panels(tree, "Power loss and efficiency", 2.2 * rows + 0.2, note, shape, axes, count=count)
+    for panel, name in zip(subplots.axes, names, strict=True):
         if name == "cycle":
-            over_the_cycle(axes, friction, at, on_page=subplots.on_page)
-            title(axes, friction, at, ("torque",))
+            over_the_cycle(panel, friction, at, on_page=subplots.on_page)
+            title(panel, friction, at, ("torque",))
             continue
         by = COMPANION[name]
-        curves(axes, friction, name, by, at, on_page=subplots.on_page)
-        label_axes(axes, y="efficiency [%]")
-        title(axes, friction, at, (name, by))
+        curves(panel, friction, name, by, at, on_page=subplots.on_page)
+        label_axes(panel, y="efficiency [%]")
+        title(panel, friction, at, (name, by))
     return subplots.figure
 
 

@@ -11,15 +11,11 @@ Root stress chart: the greatest tensile stress in the fillets along the face and
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator, MultipleLocator, PercentFormatter
-from matplotlib.tri import Triangulation, TriContourSet
 from numpy.typing import NDArray
 
 from ...contact.evaluation.pressure_map import PressureMap, pressure_map
@@ -33,12 +29,14 @@ from ...contact.evaluation.tooth_passage import (
 )
 from ...contact.solvers import Status
 from ...core.arrays import Array
-from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import MEMBERS
+from ...geometry.tooth.tooth_flanks import MemberName
+from ..summary.curves import CYCLE, Chart, root_stress_charts, transmission_error_charts
 from ..summary.plausibility import edge_notes, jump_notes
+from .drawing_style import picture
+from .drawn_result import flank_views, require_result
 from .page import (
     BLUE,
-    BODY_SIZE,
     FAINT,
     GREEN,
     GREY,
@@ -60,26 +58,65 @@ from .page import (
     torque_colours,
     torque_name,
 )
-from .panel_grid import OwnAxes, chosen_parts, chosen_torques, panels
+from .panel_grid import chosen_parts, chosen_torques, panels
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from matplotlib.tri import TriContourSet
+
+    from .panel_grid import AxesChoice
 
 #: Panels, with their heights on a page [in].
 HEIGHTS = {"unloaded": 2.5, "loaded": 2.3, "about_mean": 2.3, "orders": 2.3}
 ERROR_PARTS = tuple(HEIGHTS)
-ORDER_COUNT = 4  # of the orders drawn over torque
 NAMED_TORQUE_LIMIT = 8  # in the legend
 ORDER_COLOURS, ORDER_MARKS = (BLUE, VERMILION, GREEN, GREY), ("o", "s", "^", "D")
 NAMED_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3}
 FADED_STYLE: dict[str, Any] = {"linewidth": 0.5, "alpha": 0.35, "zorder": 2}  # of the torques that are not named
 
 
-def draw_transmission_error(
+@picture
+def transmission_error(
     tree: xr.DataTree,
+    *,
     torque: float | Sequence[float] | None = None,
     parts: str | Sequence[str] | None = None,
-    own: OwnAxes = None,
-) -> Figure:
-    """Draw the transmission error chart of a result; arguments as of ``contact_figures.transmission_error``."""
+    axes: AxesChoice = None,
+) -> Figure | None:
+    """Transmission error over two mesh cycles, and its orders.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; all if left out.
+    parts
+        Panels: ``unloaded``, ``loaded``, ``about_mean`` (loaded, about its mean), ``orders`` (amplitudes at multiples
+        of the mesh frequency: the first four over torque, or all at a single torque); all if left out.
+    axes
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, it does not have a torque, a part is not known, or ``axes`` are not as many as the
+        panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> from matplotlib.figure import Figure
+    >>> axes = Figure().subplots()
+    >>> easeoff.plot.transmission_error(tree, parts="about_mean", axes=axes)
+    >>> axes.get_title(loc="left"), axes.get_ylabel()
+    ('transmission error', 'under load, about its mean [µrad]')
+    """
+    require_result(tree)
     unloaded, loaded = tree["unloaded"].to_dataset(), tree["loaded"].to_dataset()
     if torque is not None:
         loaded = loaded.isel(torque=chosen_torques(loaded["torque"].values, torque, 0))
@@ -87,21 +124,22 @@ def draw_transmission_error(
     note = "rotation of the gear, positive where the gear lags"
     heights = [HEIGHTS[name] for name in names]
     layout: dict[str, Any] = {"height_ratios": heights}
-    subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), own, **layout)
+    subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), axes, **layout)
     over_time = [name for name in names if name != "orders"]
-    for axes, name in zip(subplots.axes, names, strict=True):
+    charts = {one.name: one for one in transmission_error_charts(unloaded, loaded, np.arange(loaded.sizes["torque"]))}
+    for panel, name in zip(subplots.axes, names, strict=True):
         if name == "orders":
-            draw_orders(axes, loaded, on_page=subplots.on_page)
+            draw_orders(panel, charts, on_page=subplots.on_page)
             continue
         if name == "unloaded":
-            draw_unloaded(axes, unloaded, on_page=subplots.on_page)
+            draw_unloaded(panel, unloaded, on_page=subplots.on_page)
         else:
-            draw_loaded(axes, loaded, about_mean=name == "about_mean", on_page=subplots.on_page)
-        axes.set_xlim(0, CYCLES)
+            draw_loaded(panel, loaded, charts, about_mean=name == "about_mean", on_page=subplots.on_page)
+        panel.set_xlim(0, CYCLES)
         if name == over_time[-1] or not subplots.on_page:
-            label_axes(axes, "mesh cycles (pinion pitches)")
+            label_axes(panel, "mesh cycles (pinion pitches)")
         else:
-            axes.tick_params(labelbottom=False)
+            panel.tick_params(labelbottom=False)
     if subplots.on_page:
         subplots.figure.align_ylabels(subplots.axes)
     return subplots.figure
@@ -123,48 +161,43 @@ def draw_unloaded(axes: Axes, unloaded: xr.Dataset, *, on_page: bool = True) -> 
     _finish(axes, "without load [µrad]", on_page=on_page)
 
 
-def draw_loaded(axes: Axes, loaded: xr.Dataset, *, about_mean: bool, on_page: bool = True) -> None:
+def draw_loaded(
+    axes: Axes, loaded: xr.Dataset, charts: Mapping[str, Chart], *, about_mean: bool, on_page: bool = True
+) -> None:
     """Draw the curves of all torques, as they are or about their means."""
-    torques = loaded["torque"].values
-    error = loaded["transmission_error"].transpose("torque", "mesh_position").values
+    torques, curves = loaded["torque"].values, charts["te_mean" if about_mean else "te_loaded"].curves
     named = set(evenly_chosen(torques, NAMED_TORQUE_LIMIT).tolist())
-    for index, colour in enumerate(torque_colours(torques)):
-        finite = error[index][np.isfinite(error[index])]
+    for index, (curve, colour) in enumerate(zip(curves, torque_colours(torques), strict=True)):
+        times, values = two_cycles(curve.y[:-1])
+        finite = curve.y[:-1][np.isfinite(curve.y[:-1])]
         if finite.size == 0:
             continue
-        level = float(finite.mean())
         swing = float(loaded["peak_to_peak"].values[index])
-        text = f"peak to peak {swing:.1f} µrad" if about_mean else f"mean {level:.0f} µrad"
-        if finite.size < error.shape[1]:
-            text = f"{error.shape[1] - finite.size} of {error.shape[1]} missing"
-        label = f"{torque_name(torques[index])}, {text}" if index in named else None
-        times, values = two_cycles(error[index] - level if about_mean else error[index])
+        text = f"peak to peak {swing:.1f} µrad" if about_mean else f"mean {finite.mean():.0f} µrad"
+        if missing := curve.y.size - 1 - finite.size:
+            text = f"{missing} of {curve.y.size - 1} missing"
+        label = f"{curve.name}, {text}" if index in named else None
         axes.plot(times, values, color=colour, label=label, **(NAMED_STYLE if index in named else FADED_STYLE))
     heading = "" if len(named) == torques.size else f"{len(named)} of {torques.size} torques, the others pale"
     label = "under load, about its mean [µrad]" if about_mean else "under load [µrad]"
     _finish(axes, label, on_page=on_page, heading=heading)
 
 
-def draw_orders(axes: Axes, loaded: xr.Dataset, *, on_page: bool = True) -> None:
+def draw_orders(axes: Axes, charts: Mapping[str, Chart], *, on_page: bool = True) -> None:
     """Draw the amplitudes of the first orders of mesh frequency over torque, or of all orders at a single torque."""
-    orders = loaded["order"].values
-    amplitudes = loaded["harmonic"].transpose("torque", "order").values
-    torques = loaded["torque"].values
     label = "amplitude of the orders [µrad]"
-    if torques.size == 1:
-        if np.any(np.isfinite(amplitudes)):
-            axes.bar(orders, amplitudes[0], width=0.55, color=BLUE, label=torque_name(float(torques[0])))
-            axes.set_xticks(orders)
-        _finish(axes, label, "order of the mesh frequency", on_page=on_page)
+    if "te_torque" not in charts:
+        (one,) = charts["te_orders"].curves
+        if np.any(np.isfinite(one.y)):
+            axes.bar(one.x, one.y, width=0.55, color=BLUE, label=one.name)
+            axes.set_xticks(one.x)
+        _finish(axes, label, charts["te_orders"].kind.x, on_page=on_page)
         return
-    rank = np.argsort(torques)
-    for number in range(min(ORDER_COUNT, orders.size)):
-        if np.any(np.isfinite(amplitudes[:, number])):
-            line: dict[str, Any] = {"color": ORDER_COLOURS[number], "linewidth": 1.4}
-            mark: dict[str, Any] = {"marker": ORDER_MARKS[number], "markersize": 3.5}
-            axes.plot(torques[rank], amplitudes[rank, number], label=f"order {orders[number]:g}", **line, **mark)
+    for one, colour, mark in zip(charts["te_torque"].curves[1:], ORDER_COLOURS, ORDER_MARKS, strict=False):
+        if np.any(np.isfinite(one.y)):
+            axes.plot(one.x, one.y, label=one.name, color=colour, linewidth=1.4, marker=mark, markersize=3.5)
     axes.set_ylim(bottom=0.0)
-    _finish(axes, label, "torque at the pinion [N m]", on_page=on_page)
+    _finish(axes, label, charts["te_torque"].kind.x, on_page=on_page)
 
 
 def _finish(axes: Axes, label: str, abscissa: str = "", *, on_page: bool, heading: str = "") -> None:
@@ -198,8 +231,36 @@ def mean_pairs_in_contact(at_torque: xr.Dataset) -> float:
     return float(np.mean(np.sum(share > 0.0, axis=0)))
 
 
-def draw_load_sharing(tree: xr.DataTree, torque: float | Sequence[float] | None = None, own: OwnAxes = None) -> Figure:
-    """Draw the load share chart of a result; arguments as of ``contact_figures.load_sharing``."""
+@picture
+def load_sharing(
+    tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: AxesChoice = None
+) -> Figure | None:
+    """Share of the torque that each tooth pair carries, a panel a torque.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
+    axes
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, it does not have a torque, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0])
+    >>> figure = easeoff.plot.load_sharing(tree)
+    >>> figure.axes[0].get_title(loc="left")
+    '100 N m'
+    """
+    require_result(tree)
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
     chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
@@ -208,20 +269,22 @@ def draw_load_sharing(tree: xr.DataTree, torque: float | Sequence[float] | None 
     note = "" if chosen.size == torques.size else f"{chosen.size} of {torques.size} torques"
     layout = {"count": chosen.size, "sharex": True, "sharey": True}
     heading = "Load sharing between tooth pairs"
-    subplots = panels(tree, heading, 1.75 * rows + 0.4, note, (rows, columns), own, **layout)
-    for number, (axes, index) in enumerate(zip(subplots.axes, chosen, strict=True)):
-        draw_shares(axes, loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
+    subplots = panels(tree, heading, 1.75 * rows + 0.4, note, (rows, columns), axes, **layout)
+    for number, (panel, index) in enumerate(zip(subplots.axes, chosen, strict=True)):
+        draw_shares(panel, loaded.isel(torque=int(index)), torque_name(torques[index]), named=number == 0)
         last, first = number + columns >= chosen.size, number % columns == 0
         if last or not subplots.on_page:
-            label_axes(axes, "mesh cycles (pinion pitches)")
-            axes.tick_params(labelbottom=True)
+            label_axes(panel, "mesh cycles (pinion pitches)")
+            panel.tick_params(labelbottom=True)
         if first or not subplots.on_page:
-            label_axes(axes, y="share of the torque")
+            label_axes(panel, y="share of the torque")
     return subplots.figure
 
 
 def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -> None:
     """Draw the curves of the tooth pairs at one torque, with their numbers if ``named``."""
+    from matplotlib.ticker import MultipleLocator, PercentFormatter
+
     course = share_passage(at_torque)
     for pair in pairs_in_view(course, CYCLES):
         times = course.steps / course.per_cycle + pair
@@ -236,12 +299,11 @@ def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -
     axes.xaxis.set_major_locator(MultipleLocator(0.5))
     axes.yaxis.set_major_locator(MultipleLocator(0.25))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
-    axes.set_title(title, loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
     # Older results lack the contact ratio.
     pairs = float(at_torque["contact_ratio"]) if "contact_ratio" in at_torque else mean_pairs_in_contact(at_torque)
     missing = "some mesh positions missing" if np.any(np.isfinite(course.values)) else "no certified solution"
     text = f"contact ratio {pairs:.2f}" if np.isfinite(pairs) else missing
-    axes.set_title(text, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+    panel_titles(axes, title, text)
 
 
 def _name(axes: Axes, pair: int, times: Array, share: Array, colour: str) -> None:
@@ -260,13 +322,46 @@ PRESSURE_THRESHOLD = 0.01  # over the greatest pressure; less is not coloured
 LEVEL_COUNT = 24
 
 
-def draw_pressure(
+@picture
+def pressure(
     tree: xr.DataTree,
-    views: tuple[ToothView, ...],
+    *,
     torque: float | Sequence[float] | None = None,
-    own: OwnAxes = None,
-) -> Figure:
-    """Draw the pressure chart of a result on its flanks; arguments as of ``contact_figures.pressure``."""
+    member: MemberName | None = None,
+    axes: AxesChoice = None,
+) -> Figure | None:
+    """Greatest contact pressure over the mesh cycle, a row a torque.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
+    member
+        ``gear`` or ``pinion``; both, side by side, if left out.
+    axes
+        An Axes a panel, row by row; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, it does not have a torque, the member is not known, or ``axes`` are not as many as the
+        panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> tree = easeoff.analyze("nasa-12x36", torques=[100.0, 200.0])
+    >>> figure = easeoff.plot.pressure(tree, torque=100.0)
+    >>> [panel.get_title(loc="left") for panel in figure.axes[:2]]
+    ['100 N m, gear', '100 N m, pinion']
+    """
+    from matplotlib.ticker import MaxNLocator
+
+    require_result(tree)
+    views = flank_views(tree, member)
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
     chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
@@ -279,18 +374,18 @@ def draw_pressure(
     height = chosen.size * ((WIDTH - 1.6) / len(views) * shared_aspect(views) + 0.27) + 0.35
     names = " and ".join(view.member for view in views)
     heading = f"Contact pressure over the mesh cycle, {names} flank"
-    drawn_in = panels(tree, heading, height, note, (chosen.size, len(views)), own)
+    drawn_in = panels(tree, heading, height, note, (chosen.size, len(views)), axes)
     figure, grid = drawn_in.figure, drawn_in.axes.reshape(chosen.size, len(views))
     peaks = [surface.peak for surface in maps if np.isfinite(surface.peak)]
     levels = pressure_levels(max(peaks, default=1.0))
     shading = None
     for row, (index, surface) in enumerate(zip(chosen, maps, strict=True)):
         for column, view in enumerate(views):
-            axes = grid[row, column]
-            draw_flank(axes, view, labels=(row == chosen.size - 1, column == 0))
-            drawn = draw_surface(axes, view, surface, levels)
+            panel = grid[row, column]
+            draw_flank(panel, view, labels=(row == chosen.size - 1, column == 0))
+            drawn = draw_surface(panel, view, surface, levels)
             shading = shading or drawn
-            panel_title(axes, f"{torque_name(torques[index])}, {view.member}", surface, loaded.isel(torque=int(index)))
+            panel_title(panel, f"{torque_name(torques[index])}, {view.member}", surface, loaded.isel(torque=int(index)))
     side_by_side(grid)
     if shading is not None:
         bar = figure.colorbar(shading, ax=list(grid.flat), shrink=0.75, aspect=28, pad=0.015, ticks=MaxNLocator(7))
@@ -300,6 +395,8 @@ def draw_pressure(
 
 def pressure_levels(peak: float) -> NDArray[Any]:
     """Round, evenly spaced levels [MPa] beyond the peak; below the lowest, slightly above zero, nothing is coloured."""
+    from matplotlib.ticker import MaxNLocator
+
     levels = np.asarray(MaxNLocator(LEVEL_COUNT, steps=[1, 2, 2.5, 5, 10]).tick_values(0.0, max(peak, 1e-3)))
     levels[0] = PRESSURE_THRESHOLD * levels[-1]
     return levels
@@ -307,6 +404,8 @@ def pressure_levels(peak: float) -> NDArray[Any]:
 
 def draw_surface(axes: Axes, view: ToothView, surface: PressureMap, levels: NDArray[Any]) -> TriContourSet | None:
     """Colour the loaded area and mark the greatest pressure; ``None`` if nothing carries load."""
+    from matplotlib.tri import Triangulation
+
     if surface.triangles.size == 0 or not surface.peak > levels[0]:
         return None
     points = view.in_plane(surface.points)
@@ -331,57 +430,84 @@ def panel_title(axes: Axes, torque: str, surface: PressureMap, at_torque: xr.Dat
     panel_titles(axes, torque, peak)
 
 
-ROOT_STRESS_PARTS = ("face", "cycle")
-LABELS = {"face": "from the toe, along the face [%]", "cycle": "mesh cycles (pinion pitches)"}
+#: Panels of the root stress, each with the chart of its curves, the label of its abscissa and the end of it.
+ROOT_STRESS_PARTS = {
+    "face": ("root", "from the toe, along the face [%]", 100.0),
+    "cycle": ("root_cycle", "mesh cycles (pinion pitches)", 2.0),
+}
 
 
-def draw_root_stress(
+@picture
+def root_stress(
     tree: xr.DataTree,
+    *,
     torque: float | Sequence[float] | None = None,
-    member: str | None = None,
+    member: MemberName | None = None,
     parts: str | Sequence[str] | None = None,
-    own: OwnAxes = None,
-) -> Figure:
-    """Draw the root stress chart of a result; arguments as of ``contact_figures.root_stress``."""
+    axes: AxesChoice = None,
+) -> Figure | None:
+    """Greatest root stress along the face and over the mesh cycle, of results with finite-element teeth.
+
+    Parameters
+    ----------
+    tree
+        A result of ``analyze`` or ``read_result``.
+    torque
+        One or several torques of the result at the pinion [N m]; up to six, spread evenly, if left out.
+    member
+        ``pinion`` or ``gear``; both, side by side, if left out.
+    parts
+        Rows of panels: ``face``, ``cycle``; both if left out.
+    axes
+        An Axes a panel, row by row; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result or has no root stress, a name or torque is not known, or ``axes`` are not as many as
+        the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case = easeoff.read_case("fm-11x41")
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 5, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> elastic = case.compliance.model_copy(update={"model": "fe", "fineness": 0.3})
+    >>> contact = case.contact.model_copy(update=coarse)
+    >>> case = case.model_copy(update={"contact": contact, "compliance": elastic})
+    >>> tree = easeoff.analyze(case, torques=[100.0])
+    >>> len(easeoff.plot.root_stress(tree).axes)
+    4
+    """
+    require_result(tree, "root_stress")
     stress = tree["root_stress"].to_dataset()
     torques = stress["torque"].values
     chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
-    names, members = chosen_parts(ROOT_STRESS_PARTS, parts), chosen_parts(MEMBERS, member, "member")
+    names, members = chosen_parts(tuple(ROOT_STRESS_PARTS), parts), chosen_parts(MEMBERS, member, "member")
     note = "greatest tensile stress around the fillet of the loaded side, over the mesh cycle or anywhere on the face"
     note += "" if torque is not None or chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
+    charts = {(one.name, one.member): one for one in root_stress_charts(stress, chosen)}
     shape = (len(names), len(members))
-    subplots = panels(tree, "Root stress", 2.5 * len(names), note, shape, own, sharey="row")
-    for number, axes in enumerate(subplots.axes):
-        part, name = names[number // len(members)], members[number % len(members)]
-        _draw_lines(axes, stress, part, name, chosen)
-        axes.set_title(name, loc="left", fontsize=SMALL_SIZE + 1.5, color=INK, weight="bold", pad=3)
+    subplots = panels(tree, "Root stress", 2.5 * len(names), note, shape, axes, sharey="row")
+    for number, panel in enumerate(subplots.axes):
+        part, name = ROOT_STRESS_PARTS[names[number // len(members)]], members[number % len(members)]
+        _draw_lines(panel, charts[part[0], name], torque_colours(torques[chosen]), part[2])
+        panel_titles(panel, name)
         leftmost = number % len(members) == 0 or not subplots.on_page
-        label_axes(axes, LABELS[part], "root stress [MPa]" if leftmost else "")
-    for axes in subplots.axes:  # only now: panels of a row share their limits
-        axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+        label_axes(panel, part[1], "root stress [MPa]" if leftmost else "")
+    for panel in subplots.axes:  # only now: panels of a row share their limits
+        panel.set_ylim(bottom=min(0.0, panel.get_ylim()[0]))
     plain_legend(subplots.axes[0])
     return subplots.figure
 
 
-def greatest_over_pairs(stress: xr.Dataset, torque: int, member: str) -> NDArray[np.float64]:
-    """Greatest root stress of the teeth in mesh (mesh_position) [MPa]; NaN where there is none."""
-    history = stress["root_stress_history"].isel(torque=torque).sel(member=member)
-    values = history.transpose("mesh_position", "pair").values
-    return np.where(np.any(np.isfinite(values), axis=1), np.max(np.nan_to_num(values, nan=-np.inf), axis=1), np.nan)
-
-
-def _draw_lines(axes: Axes, stress: xr.Dataset, part: str, member: str, chosen: NDArray[np.int64]) -> None:
-    """Draw a line a torque."""
-    torques = stress["torque"].values
-    along = ordered(stress.sel(member=member), "root_stress", "torque", "lengthwise")
-    for index, colour in zip(chosen, torque_colours(torques[chosen]), strict=True):
-        label = torque_name(float(torques[index]))
-        if part == "face":
-            axes.plot(100.0 * stress["lengthwise"].values, along[index], color=colour, linewidth=1.6, label=label)
-        else:
-            times, values = two_cycles(greatest_over_pairs(stress, int(index), member))
-            axes.plot(times, values, color=colour, linewidth=1.6, label=label)
+def _draw_lines(axes: Axes, chart: Chart, colours: NDArray[Any], span: float) -> None:
+    """Draw a line a torque along the face, or over two mesh cycles."""
+    for one, colour in zip(chart.curves, colours, strict=True):
+        x, y = two_cycles(one.y[:-1]) if chart.kind.x == CYCLE else (one.x, one.y)
+        axes.plot(x, y, color=colour, linewidth=1.6, label=one.name)
     plain_axes(axes)
-    axes.set_xlim((0.0, 100.0) if part == "face" else (0.0, 2.0))
-    if not np.any(np.isfinite(along[chosen])):
+    axes.set_xlim(0.0, span)
+    if not any(np.any(np.isfinite(one.y)) for one in chart.curves):
         axes.text(0.5, 0.5, "no certified solution", transform=axes.transAxes, ha="center", color=GREY)

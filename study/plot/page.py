@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ...core.errors import printable
 from ...core.output_file import whole_file
 from ..analysis.key_numbers import deviations, model_name, modification
+from ..summary.curves import torque_name as torque_name
 from ..summary.deflection_report import error_values, misalignment_over_torque
 from ..summary.table import with_signs
 
@@ -199,9 +200,9 @@ def evenly_chosen(values: NDArray[Any], most: int = PANEL_COUNT_LIMIT) -> NDArra
     return np.asarray(order[ranks], dtype=np.int64)
 
 
-def torque_name(torque: float) -> str:
-    """Torque [N m] as pictures show it, such as ``109 N m``."""
-    return f"{torque:.4g} N m" if torque < 1e4 else f"{torque:.0f} N m"
+def middle(values: NDArray[Any]) -> int:
+    """Number of the middle one of values (n), the lower of two."""
+    return int(np.argsort(values)[(values.size - 1) // 2])
 
 
 def torque_colours(torques: NDArray[Any]) -> NDArray[Any]:

@@ -8,8 +8,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from ...core.checks import distinct, words
@@ -17,12 +15,11 @@ from ...core.errors import InputError, suggestion
 from .page import evenly_chosen, page
 
 if TYPE_CHECKING:
-    pass
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
-
-#: One Axes of the caller, or as many as a picture has panels.
-OwnAxes: TypeAlias = Axes | Iterable[Axes] | None
-
+    #: One Axes of the caller, or as many as a picture has panels; a page of its own if ``None``.
+    AxesChoice: TypeAlias = Axes | Iterable[Axes] | None
 
 TORQUE_TOLERANCE = 1e-6  # relative, between a torque as it is given and that of a result
 
@@ -42,12 +39,14 @@ def panels(
     body_height: float,
     note: str,
     shape: tuple[int, int],
-    own: OwnAxes = None,
+    own: AxesChoice = None,
     *,
     count: int | None = None,
     **layout: Any,
 ) -> Panels:
     """Panels on a page, or axes of the caller, which must be as many as the panels."""
+    from matplotlib.axes import Axes
+
     wanted = shape[0] * shape[1] if count is None else count
     if own is None:
         figure = page(tree, heading, body_height, note)

@@ -39,14 +39,18 @@ class ToothView:
     common: tuple[Array, ...]  # closed curves (2, k) around the common flank, as fractions on the gear
     member: MemberName = "gear"
 
-    def in_plane(self, points: Array) -> Array:
-        """Coordinates in the plane (2, ...) [mm] of lengthwise and profile fractions (2, ...) on the gear."""
+    def fractions(self, points: Array) -> Array:
+        """Fractions (2, ...) on the flank in view of fractions (2, ...) on the gear's; NaN stays NaN."""
         if self.member == "gear":
-            return self.plane(points)
+            return points
         known = np.nan_to_num(np.clip(points, 0.0, 1.0)).reshape(2, -1)
         fractions = self.fields.evaluate(["pinion_lengthwise", "pinion_profile"], known)
         opposite = np.stack(list(fractions.values())).reshape(np.shape(points))
-        return np.where(np.isfinite(points), self.plane(opposite), np.nan)
+        return np.where(np.isfinite(points), opposite, np.nan)
+
+    def in_plane(self, points: Array) -> Array:
+        """Coordinates in the plane (2, ...) [mm] of lengthwise and profile fractions (2, ...) on the gear."""
+        return self.plane(self.fractions(points))
 
     @property
     def corners(self) -> Array:

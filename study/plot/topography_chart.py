@@ -5,24 +5,25 @@ Maps of what changes the ease-off of the gear flank: deviations, and a modificat
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from importlib.metadata import version
-from typing import Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.colors import TwoSlopeNorm
-from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
-from matplotlib.ticker import MaxNLocator
 
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import fit
 from ...core.arrays import Array
+from ...core.errors import InputError
 from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
+from ..case_correction import CaseCorrection
 from ..summary.quantities import TITLES
-from .contact_pattern_chart import number_lines, outlined
+from .drawing_style import drawing, picture
+from .drawn_result import flank_views, require_result
+from .ease_off_map import draw_map
 from .page import (
     BLUE,
     FAINT,
@@ -35,10 +36,18 @@ from .page import (
     plain_axes,
     plain_bar,
     plain_legend,
+    save,
     torque_name,
 )
-from .panel_grid import OwnAxes, chosen_parts, panels
+from .panel_grid import chosen_parts, panels
+from .picture_files import FORMATS
 from .tooth_view import ToothView, draw_flank, fine_grid
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .panel_grid import AxesChoice
 
 FLANK_STATES = {"before": "measured", "after": "predicted after the correction"}
 HEIGHT_SHARE = 0.36  # of the sheet's height over its length, as drawn
@@ -47,18 +56,54 @@ BAR_SHARE = 0.16  # of the greatest deviation over the sheet's length, as drawn
 LABELLED_NODES_LIMIT = 63  # above which values stand at the corners and the middle alone
 
 
-def draw(correction: Correction, title: str, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
-    """Draw the topographies of a correction; arguments as of ``contact_figures.topography``."""
-    names = chosen_parts(tuple(FLANK_STATES), parts)
-    flanks = correction.flanks
-    tree = xr.DataTree(xr.Dataset(attrs={"title": title, "easeoff_version": version("easeoff")}))
-    note = "µm along the normal, upwards (+) more metal · a rotation of the tooth is left out"
-    subplots = panels(tree, "Topography", 2.6 * len(flanks), note, (len(flanks), len(names)), own)
-    for number, axes in enumerate(subplots.axes):
-        flank, name = flanks[number // len(names)], names[number % len(names)]
-        largest = max(float(np.nanmax(np.abs(getattr(flank, part)))) for part in names)
-        _draw_flank(axes, flank, name, 1e3 * max(largest, 1e-4))
-    return subplots.figure
+def topography(
+    correction: Correction, *, title: str = "", parts: str | Sequence[str] | None = None, axes: AxesChoice = None
+) -> Figure:
+    """Topographies of measured flanks, before the correction and as predicted after it.
+
+    Every node of the measuring grid stands on the flat sheet of the designed flank, toe on the left and root below;
+    its deviation is a line along the normal, upwards where there is more metal. A rotation of the tooth is left out.
+
+    Parameters
+    ----------
+    correction
+        Of ``geometry.corrective_settings`` or ``study.correct_case``.
+    title
+        Small title of the page.
+    parts
+        ``before``, ``after`` or both; both if left out. Panels: a row a flank, a column a part.
+    axes
+        Axes to draw in, one a panel; a page of its own if left out.
+
+    Raises
+    ------
+    InputError
+        If ``correction`` is none, a part is unknown, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case, measured = easeoff.read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}
+    >>> found = easeoff.study.correct_case(case, measured, free=["machine_root_angle"])
+    >>> figure = easeoff.plot.topography(found.corrections["gear"][0])
+    >>> len(figure.axes)
+    2
+    """
+    if not isinstance(correction, Correction):
+        raise InputError(
+            f"correction = {type(correction).__name__}: must be a Correction, as corrective_settings gives it"
+        )
+    with drawing(axes):
+        names = chosen_parts(tuple(FLANK_STATES), parts)
+        flanks = correction.flanks
+        tree = xr.DataTree(xr.Dataset(attrs={"title": title, "easeoff_version": version("easeoff")}))
+        note = "µm along the normal, upwards (+) more metal · a rotation of the tooth is left out"
+        subplots = panels(tree, "Topography", 2.6 * len(flanks), note, (len(flanks), len(names)), axes)
+        for number, panel in enumerate(subplots.axes):
+            flank, name = flanks[number // len(names)], names[number % len(names)]
+            largest = max(float(np.nanmax(np.abs(getattr(flank, part)))) for part in names)
+            _draw_flank(panel, flank, name, 1e3 * max(largest, 1e-4))
+        return subplots.figure
 
 
 def sheet_places(flank: CorrectedFlank) -> Array:
@@ -148,35 +193,97 @@ SPAN_MINIMUM = 0.2  # [um]
 CHANGE_PARTS = ("surface", "max_line_load", "max_pressure", "max_end_load", "peak_to_peak")
 
 
-def draw_deviations(tree: xr.DataTree, view: ToothView, own: OwnAxes = None) -> Figure:
-    """Draw what the deviations of both flanks add to the ease-off."""
+@picture
+def deviations(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
+    """Part of the ease-off that the deviations of both flanks add.
+
+    Parameters
+    ----------
+    tree
+        A result of deviating flanks.
+    axes
+        One Axes to draw in; a page of its own if left out. With them nothing is returned;
+        ``layout="constrained"`` of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is no result, its flanks do not deviate, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> case = easeoff.read_case("fm-11x41")
+    >>> contact = case.contact.model_copy(update={"mesh_positions": 3})
+    >>> shells = case.compliance.model_copy(update={"model": "shell"})
+    >>> case = case.model_copy(update={"contact": contact, "compliance": shells})
+    >>> tree = easeoff.analyze(case, torques=[100.0], deviations={"gear": "fm-11x41-worn-gear"})
+    >>> len(easeoff.plot.deviations(tree).axes)  # the flank and its colour bar
+    2
+    """
+    require_result(tree)
+    if "ease_off_change" not in tree["ease_off"]:
+        raise InputError("tree: its flanks have no deviations; give analyze(..., deviations=...)")
+    view = flank_views(tree, "gear")[0]
     change = tree["ease_off"].to_dataset()["ease_off_change"]
     height = (WIDTH - 1.6) * view.aspect + 0.35
     note = "change of the gap along the normal, of both flanks together"
-    subplots = panels(tree, "Deviations of the flanks, gear flank", height, note, (1, 1), own)
+    subplots = panels(tree, "Deviations of the flanks, gear flank", height, note, (1, 1), axes)
     draw_change(subplots.axes[0], view, change, "gap added by the deviations [µm]")
     return subplots.figure
 
 
-def draw_optimization(
-    tree: xr.DataTree, view: ToothView, parts: str | Sequence[str] | None = None, own: OwnAxes = None
-) -> Figure:
-    """Draw an optimised modification, and what it changes; arguments as of ``study_figures.optimization``."""
+@picture
+def optimization(
+    tree: xr.DataTree, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None
+) -> Figure | None:
+    """Optimised modification of the ease-off, and what it changes, in the worst assembly.
+
+    Parameters
+    ----------
+    tree
+        Of ``easeoff.modify``.
+    parts
+        Panels: ``surface``, ``max_line_load``, ``max_pressure``, ``max_end_load``, ``peak_to_peak``; all if left out.
+    axes
+        An Axes a panel; a page of its own if left out. With them nothing is returned; ``layout="constrained"``
+        of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``tree`` is of no optimisation, a part is not known, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> coarse = {"mesh_positions": 3, "segments_per_line": 9, "lengthwise_nodes": 9, "profile_nodes": 7}
+    >>> case = easeoff.read_case("nasa-12x36")
+    >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
+    >>> tree = easeoff.modify(case, torques=[200.0], order=2, programmes=1)
+    >>> len(easeoff.plot.optimization(tree, parts="peak_to_peak").axes)
+    1
+    """
+    require_result(tree, "loaded", "optimization", "modification")
+    view = flank_views(tree, "gear")[0]
     names = chosen_parts(CHANGE_PARTS, parts)
     record = tree["optimization"].to_dataset()
     rows, columns = -(-len(names) // 2), min(2, len(names))
     note = "worst assembly" if record.sizes["assembly"] > 1 else ""
-    subplots = panels(tree, "Optimised ease-off", 2.35 * rows, note, (rows, columns), own, count=len(names))
-    for axes, name in zip(subplots.axes, names, strict=True):
+    subplots = panels(tree, "Optimised ease-off", 2.35 * rows, note, (rows, columns), axes, count=len(names))
+    for panel, name in zip(subplots.axes, names, strict=True):
         if name == "surface":
-            draw_change(axes, view, tree["modification"].to_dataset()["modification"], "addition to the ease-off [µm]")
+            draw_change(panel, view, tree["modification"].to_dataset()["modification"], "addition to the ease-off [µm]")
         else:
-            _draw_stages(axes, record[name].max("assembly"), TITLES[name])
+            _draw_stages(panel, record[name].max("assembly"), TITLES[name])
     return subplots.figure
 
 
 def draw_change(axes: Axes, view: ToothView, change: xr.DataArray, label: str) -> None:
     """Draw a change of the ease-off [um] over (lengthwise, profile) on the common flank, with a colour bar."""
+    from matplotlib.colors import TwoSlopeNorm
+    from matplotlib.ticker import MaxNLocator
+
     draw_flank(axes, view)
     axes.tick_params(axis="y", pad=15, length=0)  # beyond the word at the toe
     label_axes(axes, title=label)
@@ -190,16 +297,11 @@ def draw_change(axes: Axes, view: ToothView, change: xr.DataArray, label: str) -
     low, high = min(low, -0.5 * SPAN_MINIMUM), max(high, 0.5 * SPAN_MINIMUM)
     levels = np.asarray(MaxNLocator(LEVEL_COUNT, steps=[1, 2, 2.5, 5, 10]).tick_values(low, high))
     extent = float(np.abs(levels).max())
-    x, y = view.in_plane(grid)
-    outline = view.outline(view.common)
-    style: dict[str, Any] = {"levels": levels, "zorder": 1, "extend": "both"}
-    shading = axes.contourf(x, y, values, cmap=CHANGE_MAP, norm=TwoSlopeNorm(0.0, -extent, extent), **style)
-    shading.set_clip_path(PathPatch(outline, transform=axes.transData))  # the edge of the shading is smooth
-    lines = axes.contour(x, y, np.where(inside, values, np.nan), levels=levels, colors=INK, linewidths=0.5, zorder=2)
-    number_lines(axes, lines, outlined(outline))
+    shades = {"cmap": CHANGE_MAP, "norm": TwoSlopeNorm(0.0, -extent, extent)}
+    shading: Any = draw_map(axes, view, (grid, values, inside), levels, 0.5, **shades)
     figure: Any = axes.get_figure(root=True)
     ticks = levels[np.round(levels / (levels[1] - levels[0])) % 2 == 0]
-    style = {"shrink": 0.8, "pad": 0.02, "extendfrac": 0, "spacing": "proportional"}
+    style: dict[str, Any] = {"shrink": 0.8, "pad": 0.02, "extendfrac": 0, "spacing": "proportional"}
     plain_bar(figure.colorbar(shading, ax=axes, ticks=ticks, **style), "")
 
 
@@ -213,3 +315,23 @@ def _draw_stages(axes: Axes, values: xr.DataArray, label: str) -> None:
     plain_axes(axes, title=label)
     axes.set_xticks(places, [torque_name(float(torque)) for torque in torques])
     plain_legend(axes)
+
+
+def write_topographies(
+    found: CaseCorrection, folder: str | os.PathLike[str], name: str, *, file_format: str = "png"
+) -> list[Path]:
+    """Draw all corrections of a case into a folder, a file a set-up: ``NAME-gear-convex-topography.png``.
+
+    The folder is made if it does not exist; pictures of an earlier correction are replaced.
+    """
+    if file_format not in FORMATS:
+        raise InputError(f"format = {file_format!r}: must be one of {', '.join(FORMATS)}")
+    written = []
+    for member, corrections in found.corrections.items():
+        for correction in corrections:
+            title = f"{found.case.title}, {member}"
+            figure = topography(correction, title=title)
+            sides = "-".join(flank.side for flank in correction.flanks)
+            path = Path(folder) / f"{name}-{member}-{sides}-topography.{file_format}"
+            written.append(save(figure, path, {"Title": title}))
+    return written

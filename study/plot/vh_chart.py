@@ -3,32 +3,66 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from ...core.arrays import Array
+from ...core.checks import instance
+from ...core.errors import InputError
 from ..summary.sweep_report import SIGNS, totals
-from .page import BLUE, BODY_SIZE, GREY, INK, PAPER, SEPARATOR, SMALL_SIZE, VERMILION, WIDTH, page
-from .panel_grid import OwnAxes, chosen_parts, panels
+from .drawing_style import picture
+from .page import BLUE, BODY_SIZE, GREY, INK, PAPER, SEPARATOR, SMALL_SIZE, VERMILION, WIDTH, page, panel_titles
+from .panel_grid import chosen_parts, panels
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .panel_grid import AxesChoice
 
 PARTS = ("places", "grid")
 COMPOUND = "#7FB2D6"  # colour of the marking compound
 PLACE_COLOUR = VERMILION
 
 
-def draw(found: xr.Dataset, parts: str | Sequence[str] | None = None, own: OwnAxes = None) -> Figure:
-    """Draw a V-H check; arguments as of ``study_figures.vh_check``."""
+@picture
+def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure | None:
+    """Marking prints of a V-H check at toe, middle and heel, and over the grid of V and H.
+
+    Parameters
+    ----------
+    found
+        Of ``study.vh_check``.
+    parts
+        ``places`` and, if it was asked for, ``grid``; both if left out.
+    axes
+        An Axes a print: toe, middle, heel, then the grid from the greatest H, from left to right; a page of its
+        own if left out. With them nothing is returned; ``layout="constrained"`` of their figure makes room.
+
+    Raises
+    ------
+    InputError
+        If ``found`` is no V-H check, a part is not known, or ``axes`` are not as many as the panels.
+
+    Examples
+    --------
+    >>> import easeoff
+    >>> found = easeoff.study.vh_check("fh-design-a")
+    >>> len(easeoff.plot.vh_check(found).axes)
+    3
+    """
+    instance("found", found, xr.Dataset)
+    if "print_excess" not in found or "in_plane" not in found:
+        raise InputError("found: must be of 'easeoff vh' or study.vh_check")
     names = chosen_parts(PARTS if "v_grid" in found.sizes else PARTS[:1], parts)
     plane = found["in_plane"].values
     count, columns = found.sizes["place"], found.sizes.get("v_grid", 0)
     wanted = {"places": count, "grid": columns * found.sizes.get("h_grid", 0)}
-    if own is not None:
+    if axes is not None:
         shape = (1, sum(wanted[name] for name in names))
-        given = panels(xr.DataTree(found), "V-H check", 0.0, "", shape, own)
+        given = panels(xr.DataTree(found), "V-H check", 0.0, "", shape, axes)
         if "places" in names:
             _draw_places(given.axes[:count], found, plane)
         if "grid" in names:
@@ -73,10 +107,9 @@ def _draw_places(grid: Any, found: xr.Dataset, plane: Array) -> None:
                 name, (x, y), (4 * across, 0), textcoords="offset points", ha=("right", "left")[across > 0],
                 va="center", rotation=90, fontsize=SMALL_SIZE, color=GREY, style="italic",
             )  # fmt: skip
-        axes.set_title(str(place), loc="left", fontsize=BODY_SIZE, color=INK, weight="bold", pad=3)
         v, h = float(one["v"]), float(one["h"])
         said = "not reached" if np.isnan(v) else f"V {v:+.3f}, H {h:+.3f} mm".replace("-", "−")
-        axes.set_title(said, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
+        panel_titles(axes, str(place), said)
 
 
 def _draw_grid(grid: Any, found: xr.Dataset, plane: Array) -> None:

@@ -23,9 +23,16 @@ from ..result import checked_result, read_result
 from ..result_layout import VARIABLES, require_layout
 from ..summary.deflection_report import misalignment_over_torque
 from ..sweep.sweep_file import checked_sweep, is_sweep
-from . import contact_figures, study_figures
+from .contact_pattern_chart import contact_pattern
 from .drawing_style import drawing
+from .ease_off_map import ease_off
+from .friction_charts import efficiency, friction_maps
+from .mesh_cycle_charts import load_sharing, pressure, root_stress, transmission_error
 from .picture_files import FORMATS, file_prefix, pictures_of_results, result_mark, save_picture
+from .study_charts import front, load_cases, misalignment, wear
+from .sweep_charts import PICTURES as SWEEP_PICTURES, pictures as pictures_of_sweep, sweep
+from .topography_chart import deviations, optimization
+from .vh_chart import vh_check
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -34,27 +41,27 @@ Drawing = Callable[..., "Figure"]
 
 #: Pictures of every result.
 PICTURES: dict[str, Drawing] = {
-    "ease_off": contact_figures.ease_off,
-    "contact_pattern": contact_figures.contact_pattern,
-    "pressure": contact_figures.pressure,
-    "transmission_error": contact_figures.transmission_error,
-    "load_sharing": contact_figures.load_sharing,
+    "ease_off": ease_off,
+    "contact_pattern": contact_pattern,
+    "pressure": pressure,
+    "transmission_error": transmission_error,
+    "load_sharing": load_sharing,
 }
 #: Pictures of some results, each with what they have.
 FURTHER_PICTURES: dict[str, tuple[Drawing, Callable[[xr.DataTree], bool]]] = {
-    "root_stress": (contact_figures.root_stress, lambda tree: "root_stress" in tree.children),
-    "friction_maps": (contact_figures.friction_maps, lambda tree: "friction" in tree.children),
-    "efficiency": (contact_figures.efficiency, lambda tree: "friction" in tree.children),
-    "misalignment": (contact_figures.misalignment, lambda tree: misalignment_over_torque(tree) is not None),
-    "deviations": (contact_figures.deviations, lambda tree: "ease_off_change" in tree["ease_off"]),
-    "optimization": (study_figures.optimization, lambda tree: "optimization" in tree.children),
-    "front": (study_figures.front, lambda tree: "front" in tree.children),
+    "root_stress": (root_stress, lambda tree: "root_stress" in tree.children),
+    "friction_maps": (friction_maps, lambda tree: "friction" in tree.children),
+    "efficiency": (efficiency, lambda tree: "friction" in tree.children),
+    "misalignment": (misalignment, lambda tree: misalignment_over_torque(tree) is not None),
+    "deviations": (deviations, lambda tree: "ease_off_change" in tree["ease_off"]),
+    "optimization": (optimization, lambda tree: "optimization" in tree.children),
+    "front": (front, lambda tree: "front" in tree.children),
 }
 #: Pictures of what is no result of an analysis, with a variable or group by which it is known.
 STUDY_PICTURES: dict[str, tuple[Drawing, str]] = {
-    "load_cases": (study_figures.load_cases, "load_cases"),
-    "vh_check": (study_figures.vh_check, "print_excess"),
-    "wear": (study_figures.wear, "wear_depth"),
+    "load_cases": (load_cases, "load_cases"),
+    "vh_check": (vh_check, "print_excess"),
+    "wear": (wear, "wear_depth"),
 }
 #: Those that take torques; ``friction_maps`` takes one.
 WITH_TORQUES = ("pressure", "transmission_error", "load_sharing", "root_stress", "friction_maps")
@@ -82,9 +89,7 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
     ('ease_off', 'contact_pattern', 'pressure', 'transmission_error', 'load_sharing')
     """
     if isinstance(result, xr.Dataset) and "swept" in result.attrs:
-        from .study_charts import pictures as of_sweep
-
-        return of_sweep(result)
+        return pictures_of_sweep(result)
     groups = result.children if isinstance(result, xr.DataTree) else getattr(result, "data_vars", ())
     for name, (_, sign) in STUDY_PICTURES.items():
         if sign in groups:
@@ -97,9 +102,7 @@ def pictures(result: xr.DataTree | xr.Dataset) -> tuple[str, ...]:
 def kind_of(name: str) -> tuple[str, ...]:
     """Names of all pictures of the kind of result that has one of a name."""
     if name.startswith("sweep_"):
-        from .study_charts import PICTURES as OF_SWEEPS
-
-        return OF_SWEEPS
+        return SWEEP_PICTURES
     return (name,) if name in STUDY_PICTURES else (*PICTURES, *FURTHER_PICTURES)
 
 
@@ -115,7 +118,7 @@ def draw_picture(
     Maps of friction show the last of the torques [N m]; the marking compound is ``marking`` [um] thick.
     """
     if name.startswith("sweep_"):
-        return study_figures.sweep(result, name)  # type: ignore[arg-type]
+        return sweep(result, name)  # type: ignore[arg-type]
     draw = PICTURES.get(name) or (FURTHER_PICTURES.get(name) or STUDY_PICTURES[name])[0]
     options: dict[str, Any] = {}
     if torque is not None and name in WITH_TORQUES:

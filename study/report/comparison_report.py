@@ -10,8 +10,9 @@ Time tables: run time, its parts, starts, pairs of solvers, growth with size, wo
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -114,18 +115,21 @@ def residual(value: float) -> str:
     return f"{value:.1e}" if np.isfinite(value) else NOTHING
 
 
-def median(values: Any) -> float:
-    """Median of the finite values of a column; NaN if there are none."""
-    known = values.to_numpy(dtype=float)
-    known = known[np.isfinite(known)]
-    return float(np.median(known)) if known.size else float("nan")
-
-
 def quantiles(values: Any, levels: Sequence[float] = (0.5, 0.9, 1.0)) -> list[float]:
     """Quantiles of the finite values of a column; NaN if there are none."""
     known = values.to_numpy(dtype=float)
     known = known[np.isfinite(known)]
-    return [float(value) for value in np.quantile(known, levels)] if known.size else [float("nan")] * len(levels)
+    return np.quantile(known, levels).tolist() if known.size else [float("nan")] * len(levels)
+
+
+def median(values: Any) -> float:
+    """Median of the finite values of a column; NaN if there are none."""
+    return quantiles(values, [0.5])[0]
+
+
+def by_method(records: Any, named: Sequence[MethodName], cells: Callable[[Any], Sequence[Any]]) -> list[list[Any]]:
+    """Rows of a table, one a method: its name and the cells of its records."""
+    return [[*method, *cells(of_method(records, method))] for method in named]
 
 
 #: Problems that a line of failures names.
@@ -137,26 +141,15 @@ WITHOUT_KIND = "without a kind"
 def success_tables(problems: Any, named: list[MethodName]) -> list[ReportTable]:
     """Claims against certificates, a table for each settings."""
     columns = ["problems", "says solved", "certified", "%", "exact", "polished", "says solved, not certified", "denied"]
+
+    def cells(records: Any) -> list[Any]:
+        counted = ("claims", "certified", "exact", "polished", "uncertified", "denied")
+        claims, certified, *others = (int(records[name].sum()) for name in counted)
+        return [len(records), claims, certified, f"{100.0 * records['certified'].mean():.4g}", *others]
+
     tables = []
     for settings in dict.fromkeys(method[1] for method in named):
-        rows: list[list[Any]] = []
-        for method in [one for one in named if one[1] == settings]:
-            records = of_method(problems, method)
-            counts = {name: int(records[name].sum()) for name in ("claims", "certified", "exact", "polished")}
-            share = f"{100.0 * records['certified'].mean():.4g}"
-            rows.append(
-                [
-                    *method,
-                    len(records),
-                    counts["claims"],
-                    counts["certified"],
-                    share,
-                    counts["exact"],
-                    counts["polished"],
-                    int(records["uncertified"].sum()),
-                    int(records["denied"].sum()),
-                ]
-            )
+        rows = by_method(problems, [one for one in named if one[1] == settings], cells)
         caption = f"`{settings}`: {SETTINGS[settings]}."
         tables.append(ReportTable(f"answers_{settings}", [*METHOD_COLUMNS, *columns], rows, "", caption))
     return tables
@@ -183,27 +176,25 @@ def kind_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
     heads = list(kinds)
     if (problems["kind"] == "").any():
         kinds, heads = [*kinds, ""], [*kinds, WITHOUT_KIND]
-    rows = []
-    for method in named:
-        records = of_method(problems, method)
+
+    def cells(records: Any) -> list[str]:
         of_kind = [records[records["kind"] == kind]["certified"] for kind in kinds]
-        rows.append([*method, *(f"{int(one.sum())} of {len(one)}" if len(one) else NOTHING for one in of_kind)])
+        return [f"{int(one.sum())} of {len(one)}" if len(one) else NOTHING for one in of_kind]
+
+    rows = by_method(problems, named, cells)
     return ReportTable("certified_by_kind", [*METHOD_COLUMNS, *heads], rows, "", "Certified, by kind of problem:")
 
 
 def residual_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[ReportTable]:
     """Certificates and errors of rotation, and which condition is violated."""
     frame: Any = dataset.to_dataframe()
-    rows: list[list[Any]] = []
-    parts: list[list[Any]] = []
-    for method in named:
-        records = of_method(frame, method)
-        worst, rotation = (quantiles(records[name]) for name in ("worst_residual", "rotation_error"))
-        posed = quantiles(records["posed_residual"])
-        rows.append(
-            [*method, int(records["worst_residual"].notna().sum()), *map(residual, [*worst, *posed, *rotation])]
-        )
-        parts.append([*method, *(residual(quantiles(records[name])[2]) for name in RESIDUALS)])
+
+    def cells(records: Any) -> list[Any]:
+        told = (quantiles(records[name]) for name in ("worst_residual", "posed_residual", "rotation_error"))
+        return [int(records["worst_residual"].notna().sum()), *map(residual, chain.from_iterable(told))]
+
+    rows = by_method(frame, named, cells)
+    parts = by_method(frame, named, lambda one: [residual(quantiles(one[name])[2]) for name in RESIDUALS])
     levels = ["median", "90 %", "worst"]
     posed_head, rotation_head = ([f"{name}, {level}" for level in levels] for name in ("as posed", "rotation"))
     head = [*METHOD_COLUMNS, "answers", *levels, *posed_head, *rotation_head]
@@ -256,13 +247,14 @@ ACCURACY_STEP = 2
 def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]) -> ReportTable:
     """Run time of each method."""
     limit = float(dataset.attrs["time_limit_s"])
-    rows = []
-    for method in named:
-        records = of_method(problems, method)
+
+    def cells(records: Any) -> list[str]:
         times = records["run_time"].to_numpy(dtype=float)
         mean = shifted_geometric_mean(np.where(np.isfinite(times), times, limit), RUN_TIME_SHIFT)
         spread = quantiles(records["spread"][records["certified"]], (0.5, 0.9))
-        rows.append([*method, *map(milliseconds, [mean, *quantiles(records["run_time"])]), *map(ratio, spread)])
+        return [*map(milliseconds, [mean, *quantiles(records["run_time"])]), *map(ratio, spread)]
+
+    rows = by_method(problems, named, cells)
     head = ["mean [ms]", "median [ms]", "90 % [ms]", "longest [ms]", "spread", "spread, 90 %"]
     note = (
         f"Time: {TIMES[time_of(dataset)]}. *Mean*: shifted geometric mean over the problems, shift "
@@ -320,22 +312,14 @@ def start_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
         return None
     rows = []
     for solver, settings, _ in warm_methods:
-        pair = [of_method(problems, (solver, settings, start)).set_index(PROBLEM_COLUMNS) for start in (COLD, WARM)]
-        both = pair[1].join(pair[0].add_suffix("_cold"), how="inner")
+        cold, warm = (of_method(problems, (solver, settings, one)).set_index(PROBLEM_COLUMNS) for one in (COLD, WARM))
+        both = warm.join(cold.add_suffix("_cold"), how="inner")
         solved = both[both["certified"] & both["certified_cold"]]
+        counts = [len(both), *(int(both[name].sum()) for name in ("certified_cold", "certified"))]
+        times = [milliseconds(median(solved[name])) for name in ("run_time_cold", "run_time")]
+        gain = median(solved["run_time"] / solved["run_time_cold"])
         iterations = [median(solved[name][solved[name] >= 0]) for name in ("iterations_cold", "iterations")]
-        rows.append(
-            [
-                solver,
-                len(both),
-                int(both["certified_cold"].sum()),
-                int(both["certified"].sum()),
-                milliseconds(median(solved["run_time_cold"])),
-                milliseconds(median(solved["run_time"])),
-                ratio(median(solved["run_time"] / solved["run_time_cold"])),
-                *map(ratio, iterations),
-            ]
-        )
+        rows.append([solver, *counts, *times, *map(ratio, [gain, *iterations])])
     ignoring = sorted({solver for solver, _, _ in named} - set(STARTING_SOLVERS))
     note = (
         "Problems with a problem of the same size before them in their file, whose answer is the warm start; times are "
@@ -423,15 +407,9 @@ def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[
     )
     points = [
         [
-            point.solver,
-            f"{point.tolerance:g}" if point.tolerance else "table",
-            point.problems,
-            point.claimed,
+            *(point.solver, f"{point.tolerance:g}" if point.tolerance else "table", point.problems, point.claimed),
             point.missed if point.tolerance else NOTHING,
-            residual(point.posed),
-            residual(point.median),
-            residual(point.worst),
-            milliseconds(point.run_time),
+            *(*map(residual, (point.posed, point.median, point.worst)), milliseconds(point.run_time)),
         ]
         for point in sorted(sweep_points(dataset), key=lambda one: (rank[one.solver], -one.tolerance))
     ]

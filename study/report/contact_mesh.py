@@ -31,8 +31,8 @@ from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import tooth_patches
 from ..plot.drawn_result import require_result
 from ..plot.tooth_view import ToothView, fine_grid, tooth_view
-from .flank_pictures import gear_raster, on_member, rasterised
-from .mesh_scene import flank_places, member_turns, pair_of_result, placed, turned
+from .flank_pictures import gear_raster, rasterised
+from .mesh_scene import flank_places, loaded_patch, member_turns, pair_of_result, placed, turned
 from .stored_case import stored_case
 
 Index = NDArray[np.int64]
@@ -368,20 +368,14 @@ class TeethInMesh:
         axes = tuple(np.linspace(0.0, 1.0, count) for count in RASTER)
         fields: dict[MemberName, dict[str, Array]] = {}
         for member, view in self.views.items():
-            fractions = on_member(view.fields, surface.points, member)
+            fractions = view.fractions(surface.points)
             pattern = np.nan_to_num(rasterised(fractions, surface.pressure, surface.triangles, RASTER))
             ease_off = gap if member == "gear" else gear_raster(grid, gap, view, RASTER)
-            places = np.clip(
-                np.moveaxis(flank_places(self.pair, member, self.patches[member][self._flank(member)]), 0, -1), 0.0, 1.0
-            )
+            nodes = self.patches[member][loaded_patch(self.tree, member)]
+            places = np.clip(np.moveaxis(flank_places(self.pair, member, nodes), 0, -1), 0.0, 1.0)
             rasters = {EASE_OFF: ease_off, PATTERN: pattern}
             fields[member] = {name: RegularGridInterpolator(axes, raster)(places) for name, raster in rasters.items()}
         return fields
-
-    def _flank(self, member: MemberName) -> str:
-        """Name of the loaded flank's patch."""
-        sides = {"pinion": ("concave", "convex"), "gear": ("convex", "concave")}
-        return f"{sides[member][self.tree.attrs['flank'] != 'drive']}_flank"
 
     def at(self, number: int) -> tuple[bytes, int]:
         """Content of the file at a mesh position, and the number of tooth pairs in contact."""
@@ -397,7 +391,7 @@ class TeethInMesh:
             for index, member in enumerate(MEMBER_NAMES):
                 for name, points in self.patches[member].items():
                     at = self.in_mesh(points, member, tooth, number)
-                    if name == self._flank(member):
+                    if name == loaded_patch(self.tree, member):
                         fields = self._flank_fields[member] | {BAND: band_pressure(at, strips, pressure)}
                         mesh.add_grid(at, fields, (index, tooth, PARTS["loaded flank"]))
                     else:

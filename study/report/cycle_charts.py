@@ -1,313 +1,71 @@
-"""Charts of the report: courses over the mesh cycle, over torque, speed and face, each with the variable it shows."""
+"""Charts of the report's page: curves of a result, numbers over torque, and the map of efficiencies."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ...contact.evaluation.tooth_passage import unloaded_curves
-from ...core.arrays import Array
-from ...core.attributes import ordered
+from ..plot.page import middle
+from ..summary.curves import CYCLE, Chart, capital
 from ..summary.plausibility import TOLD_SHARE
-from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS
-from ..summary.supports_report import SHARES, bearing_loads
+from ..summary.quantities import FRICTION, LOADED, value_name
 from .packed_array import packed_exactly
 
-LOADED, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
-CYCLE = "mesh position"
-ROTATION, TORQUE, REVOLUTIONS = "rotation of the gear [µrad]", CONDITION_LABELS["torque"], "revolutions of the pinion"
+#: Numbers of the loaded contact that results are compared by over torque.
+OVER_TORQUE = ("peak_to_peak", "max_pressure", "contact_ratio", "mean_mesh_stiffness")
 
 
-@dataclass(frozen=True)
-class ChartKind:
-    """What a chart shows: title, label of its ordinate, variable, label of its abscissa.
-
-    ``by`` "torque": a series a torque, all but the chosen one pale; "only": those of the chosen one alone.
-    """
-
-    title: str
-    y: str
-    source: str
-    x: str = CYCLE
-    by: str = "torque"
-
-
-CHARTS = {
-    "te_unloaded": ChartKind(
-        "Transmission error without load", ROTATION, "unloaded/transmission_error", "mesh cycles", ""
-    ),
-    "te_loaded": ChartKind("Transmission error under load", ROTATION, "loaded/transmission_error"),
-    "te_mean": ChartKind("Transmission error under load, about its mean", ROTATION, "loaded/transmission_error"),
-    "te_orders": ChartKind(
-        "Orders of the transmission error", "amplitude [µrad]", "loaded/harmonic", "order of the mesh frequency"
-    ),
-    "te_torque": ChartKind(
-        "Transmission error over torque", "[µrad]", "loaded/peak_to_peak, loaded/harmonic", TORQUE, ""
-    ),
-    "load_share": ChartKind("Load share", "share of the torque [%]", "loaded/load_share", by="only"),
-    "max_pressure": ChartKind("Greatest pressure", "[MPa]", "loaded/pressure"),
-    "mesh_stiffness": ChartKind("Mesh stiffness", "[N m/µrad]", "loaded/mesh_stiffness"),
-    "edge_share": ChartKind("Share of the load on tooth edges", "[%]", "loaded/edge_share"),
-    "rotation_parts": ChartKind(
-        "Parts of the gear's rotation, mean over the mesh cycle",
-        "[µrad]",
-        "supports/teeth_rotation, contact_rotation, supports_rotation, ease_off_rotation",
-        TORQUE,
-        "",
-    ),
-    "bearing_radial": ChartKind("Radial bearing loads", "[N]", "supports/bearing_force", by="only"),
-    "bearing_axial": ChartKind(
-        "Axial bearing loads, positive towards the heel", "[N]", "supports/bearing_force", by="only"
-    ),
-    "root": ChartKind("Root stress along the face", "[MPa]", "root_stress/root_stress", "from the toe [%]"),
-    "root_cycle": ChartKind("Greatest root stress of the teeth in mesh", "[MPa]", "root_stress/root_stress_history"),
-    "friction_coefficient": ChartKind(
-        "Friction coefficient, mean weighted by force", "", "friction/friction_coefficient"
-    ),
-    "film_thickness": ChartKind("Least film thickness", "[µm]", "friction/film_thickness"),
-    "flash_temperature": ChartKind("Greatest flash temperature", "[K]", "friction/flash_temperature"),
-    "sliding": ChartKind("Sliding velocity, mean weighted by force", "[m/s]", "friction/sliding_velocity"),
-    "pv": ChartKind("Greatest pressure × sliding velocity", "[MPa m/s]", "loaded/pressure × friction/sliding_velocity"),
-    "power_loss": ChartKind("Power loss", "[W]", "friction/mesh_power_loss"),
-    **{
-        f"efficiency_{name}": ChartKind(
-            f"Efficiency over {label.partition(' [')[0]}", "[%]", "friction/efficiency", label, ""
-        )
-        for name, label in CONDITION_LABELS.items()
-    },
-    "wear_depth": ChartKind("Greatest depth of wear", "[µm]", "largest_depth", REVOLUTIONS, ""),
-    "wear_error": ChartKind("Transmission error, peak to peak", "[µrad]", "peak_to_peak", REVOLUTIONS, ""),
-    "wear_pressure": ChartKind("Greatest pressure", "[MPa]", "max_pressure", REVOLUTIONS, ""),
-}
-
-
-def chart(
-    name: str, series: Iterable[tuple[str, Array, Array]], member: str = "", per: int | None = None
-) -> dict[str, Any]:
-    """Chart of ``CHARTS`` for the page, without series that have no finite value; ``per`` of them are of one torque."""
-    kind = CHARTS[name]
-    shown = [
-        {"name": label, "x": packed_exactly(at), "y": packed_exactly(values), "number": number}
-        for number, (label, at, values) in enumerate(series)
-        if np.any(np.isfinite(values))
+def packed_chart(chart: Chart) -> dict[str, Any]:
+    """Chart for the page, without curves that have no finite value."""
+    kind, member = chart.kind, chart.member
+    curves = [
+        {"name": one.name, "x": packed_exactly(one.x), "y": packed_exactly(one.y), "number": number}
+        for number, one in enumerate(chart.curves)
+        if np.any(np.isfinite(one.y))
     ]
+    further = {"per": chart.per, "second": chart.second}
     return {
-        "id": f"{name}_{member}" if member else name,
+        "id": f"{chart.name}_{member}" if member else chart.name,
         "title": f"{kind.title}, {member}" if member else kind.title,
-        "x": kind.x,
+        "x": chart.abscissa or kind.x,
         "y": kind.y,
         "source": kind.source,
-        "series": shown,
+        "series": curves,
         "by": kind.by,
         "cycle": kind.x == CYCLE,
-        **({} if per is None else {"per": per}),
+        **{name: value for name, value in further.items() if value is not None},
     }
-
-
-def _course(name: str, names: Sequence[str], table: Array, member: str = "") -> dict[str, Any]:
-    """Chart over the mesh cycle with a series a torque (torque, mesh_position)."""
-    return chart(name, ((n, *_cycle(v)) for n, v in zip(names, table, strict=True)), member)
-
-
-def _torque_names(torques: Array) -> list[str]:
-    return [f"{torque:g} N m" for torque in torques]
-
-
-def _cycle(values: Array) -> tuple[Array, Array]:
-    """Mesh positions from 0 to 1 and values (k) with the first one again at the end."""
-    return np.arange(values.size + 1) / values.size, np.append(values, values[:1])
-
-
-def _passage(share: Array, pairs: Array, number: int) -> tuple[Array, Array]:
-    """Mesh positions from 0 to 1 and the share of a tooth pair, which ends where the pair before it begins; or NaN."""
-    before = np.flatnonzero(pairs == pairs[number] - 1)
-    end = share[0, before[0]] if before.size else 0.0
-    values = np.append(share[:, number], end)
-    carries = np.nan_to_num(values) > 0.0
-    return np.arange(values.size) / share.shape[0], np.where(np.any(carries), values, np.nan)
-
-
-def _greatest(table: Array) -> Array:
-    """Greatest finite value (torque, mesh_position) over the segments; NaN where there is none."""
-    most = np.where(np.isfinite(table), table, -np.inf).max(axis=2, initial=-np.inf)
-    return np.where(np.isfinite(most), most, np.nan)
-
-
-def _weighted_mean(table: Array, weight: Array) -> Array:
-    """Mean (torque, mesh_position) over the segments by their weight; NaN where nothing has weight.
-
-    By force it does not jump, unlike extremes, as segments begin and cease to carry.
-    """
-    known = np.isfinite(table) & (weight > 0.0)
-    whole = np.where(known, weight, 0.0).sum(axis=2)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.where(known, table * weight, 0.0).sum(axis=2) / np.where(whole > 0.0, whole, np.nan))
-
-
-def _least(table: Array) -> Array:
-    return -_greatest(-table)
 
 
 def over_torque(tree: xr.DataTree) -> dict[str, Any]:
     """Courses of the main numbers over torque, by name; efficiency at the middle speed, temperature and roughness."""
     groups = {name: tree[name].to_dataset() for name in ("loaded", "friction") if name in tree.children}
     courses = {}
-    for group, variable, title, unit, factor in (
-        ("loaded", "peak_to_peak", "Transmission error, peak to peak,", "µrad", 1.0),
-        ("loaded", "max_pressure", "Greatest pressure", "MPa", 1.0),
-        ("loaded", "contact_ratio", "Contact ratio", "", 1.0),
-        ("loaded", "mean_mesh_stiffness", "Mesh stiffness", "N m/µrad", 1.0),
-        ("friction", "efficiency", "Efficiency", "%", 100.0),
+    for group, variable, quantity in (
+        *(("loaded", name, LOADED[name]) for name in OVER_TORQUE),
+        ("friction", "efficiency", FRICTION["efficiency"]),
     ):
         if group not in groups or variable not in groups[group]:
             continue
         values = groups[group][variable].sortby("torque")
         conditions = []
-        for name in values.dims:
+        for name in map(str, values.dims):
             if name != "torque":
-                values = values.isel({name: int(np.argsort(values[name].values)[(values.sizes[name] - 1) // 2])})
-                conditions += [f"{values[name].item():g} {CONDITION_UNITS[str(name)]}"]
+                number = middle(values[name].values)
+                values = values.isel({name: number})
+                conditions += [value_name(groups[group], name, number)]
         if np.any(np.isfinite(values.values)):
             courses[variable] = {
-                "title": title,
+                "title": capital(quantity) + "," * ("," in quantity.label),
                 "at": ", ".join(conditions),
-                "unit": unit,
+                "unit": quantity.unit,
                 "source": f"{group}/{variable}",
                 "x": packed_exactly(values["torque"].values),
-                "y": packed_exactly(factor * values.values),
+                "y": packed_exactly(quantity.factor * values.values),
             }
     return courses
-
-
-def transmission_error_charts(
-    tree: xr.DataTree, chosen: NDArray[Any], radius: float | None = None
-) -> list[dict[str, Any]]:
-    """Charts of the transmission error: without and under load, about its mean, its orders by number and torque.
-
-    The mean pitch radius of the gear [mm] gives a second scale of lengths [um] along its pitch circle.
-    """
-    loaded = tree["loaded"].to_dataset()
-    orders, torques = loaded["order"].values.astype(float), loaded["torque"].values
-    names = _torque_names(torques[chosen])
-    error = ordered(loaded, "transmission_error", *LOADED)[chosen]
-    course, times, lowest = unloaded_curves(tree["unloaded"].to_dataset())
-    about = [value - np.mean(value[np.isfinite(value)]) if np.any(np.isfinite(value)) else value for value in error]
-    harmonic = ordered(loaded, "harmonic", "torque", "order")
-    unloaded = chart("te_unloaded", [("pair that carries", times / 1.0, lowest)] if course.values.size else [])
-    charts = [_course("te_loaded", names, error), _course("te_mean", names, np.array(about))]
-    charts.append(chart("te_orders", [(n, orders, harmonic[i]) for n, i in zip(names, chosen, strict=True)]))
-    if torques.size > 1:
-        rank = np.argsort(torques)
-        series = [("peak to peak", torques[rank], loaded["peak_to_peak"].values[rank])]
-        series += [(f"order {o:g}", torques[rank], harmonic[rank, i]) for i, o in enumerate(orders[:4])]
-        charts.append(chart("te_torque", series))
-    if radius is not None:
-        second = {"factor": 1e-3 * radius, "label": "[µm] at the mean pitch radius"}
-        charts = [one | {"second": second} for one in charts]
-    return [unloaded, *charts]
-
-
-def contact_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, Any]]:
-    """Load shares, greatest pressure, mesh stiffness and share on edges over the mesh cycle."""
-    loaded = tree["loaded"].to_dataset()
-    names = _torque_names(loaded["torque"].values[chosen])
-    share = 100.0 * ordered(loaded, "load_share", *LOADED, "pair")[chosen]
-    pairs = loaded["pair"].values
-    shares = [
-        (f"{name}, pair {pair:g}", *_passage(share[i], pairs, int(p)))
-        for i, name in enumerate(names)
-        for p, pair in enumerate(pairs)
-    ]
-    pressure = _greatest(ordered(loaded, "pressure", *SEGMENTS))
-    charts = [
-        chart("load_share", shares, per=len(pairs)),
-        _course("max_pressure", names, np.where(pressure > 0.0, pressure, np.nan)[chosen]),
-    ]
-    for variable, factor in (("mesh_stiffness", 1.0), ("edge_share", 100.0)):
-        if variable in loaded:
-            values = factor * ordered(loaded, variable, *LOADED)[chosen]
-            if variable != "edge_share" or np.any(np.nan_to_num(values) > 0.0):
-                charts.append(_course(variable, names, values))
-    return charts
-
-
-def supports_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[dict[str, Any]]:
-    """Parts of the gear's rotation over torque, and bearing loads over the mesh cycle."""
-    group = tree["supports"].to_dataset()
-    torques = group["torque"].values
-    rank = np.argsort(torques)
-    parts = [(n, torques[rank], ordered(group, v, *LOADED).mean(axis=1)[rank]) for n, v in SHARES.items()]
-    charts = [chart("rotation_parts", parts)] if torques.size > 1 else []
-    names, radial, axial = bearing_loads(tree)
-    place = np.argsort(rank)[chosen]  # these rise with the torque
-    for name, force in (("bearing_radial", radial), ("bearing_axial", axial)):
-        series = [
-            (f"{torques[i]:g} N m, {bearing}", *_cycle(force[number, k]))
-            for i, k in zip(chosen, place, strict=True)
-            for number, bearing in enumerate(names)
-        ]
-        charts += [chart(name, series, per=len(names))] if series else []
-    return charts
-
-
-def root_stress_charts(stress: xr.Dataset, chosen: NDArray[Any]) -> list[dict[str, Any]]:
-    """Root stress of both members along the face, and over the mesh cycle."""
-    torques = _torque_names(stress["torque"].values[chosen])
-    charts = []
-    for number, member in enumerate(stress["member"].values):
-        along = ordered(stress, "root_stress", "torque", "member", "lengthwise")[chosen, number]
-        face = 100.0 * stress["lengthwise"].values
-        charts.append(chart("root", [(n, face, values) for n, values in zip(torques, along, strict=True)], member))
-        history = ordered(stress, "root_stress_history", "torque", "member", "mesh_position", "pair")[chosen, number]
-        charts.append(_course("root_cycle", torques, _greatest(history), member))
-    return charts
-
-
-def friction_charts(tree: xr.DataTree, chosen: NDArray[Any], at: dict[str, int]) -> list[dict[str, Any]]:
-    """Charts of efficiency, and of coefficient, film, sliding and p v over the mesh cycle.
-
-    ``chosen`` are numbers of torques; ``at`` holds those of speed, temperature and roughness.
-    """
-    loaded, friction = tree["loaded"].to_dataset(), tree["friction"].to_dataset()
-    subset = friction.isel(at)
-    names = _torque_names(loaded["torque"].values[chosen])
-    pressure = ordered(loaded, "pressure", *SEGMENTS)
-    carries = np.nan_to_num(pressure) > 0.0
-    charts = []
-    force = np.where(carries, np.nan_to_num(ordered(loaded, "force", *SEGMENTS)), 0.0)
-
-    def mean(table: Array) -> Array:
-        return _weighted_mean(table, force)
-
-    extremes = {"friction_coefficient": mean, "film_thickness": _least, "flash_temperature": _greatest}
-    for variable, reduce in extremes.items():
-        if variable in subset:
-            table = np.where(carries, subset[variable].transpose(*SEGMENTS).values, np.nan)
-            charts.append(_course(variable, names, reduce(table)[chosen]))
-    if "sliding_velocity" in subset:
-        sliding = subset["sliding_velocity"].transpose(..., "mesh_position", "segment").values  # maybe of each torque
-        table = np.where(carries, sliding, np.nan)
-        charts.append(_course("sliding", names, mean(table)[chosen]))
-        charts.append(_course("pv", names, _greatest(table * pressure)[chosen]))
-    if "mesh_power_loss" in subset:
-        charts.append(_course("power_loss", names, subset["mesh_power_loss"].transpose(*LOADED).values[chosen]))
-    efficiency = 100.0 * friction["efficiency"]
-    for along in ("torque", "speed", "temperature", "roughness"):
-        by = "speed" if along == "torque" else "torque"
-        if friction.sizes[along] < 2:
-            continue
-        fixed = {name: number for name, number in at.items() if name not in (along, by)}
-        curves = efficiency.isel(fixed).transpose(by, along).sortby(along)
-        rows = range(curves.sizes[by]) if by == "speed" else chosen
-        words = CONDITION_UNITS[by]
-        series = [(f"{curves[by].values[i]:g} {words}", curves[along].values, curves.values[i]) for i in rows]
-        charts.append(chart(f"efficiency_{along}", series))
-    return charts
 
 
 def efficiency_map(friction: xr.Dataset, at: dict[str, int]) -> dict[str, Any] | None:

@@ -21,34 +21,25 @@ from ...contact.evaluation.flank_region import ProjectionPlane
 from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.lines.contact_lines import boundary_distance
-from ...contact.lines.flank_splines import FlankSplines
 from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.errors import EaseoffError
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
+from ..plot.page import evenly_chosen
 from ..plot.pattern_lines import contact_pattern
 from ..plot.tooth_view import ToothView, fine_grid
 from ..result_layout import GRID
 from ..summary.correction_report import assembly_rows, assembly_title, terms
+from ..summary.curves import torque_name, wear_charts
 from ..summary.quantities import written
-from .cycle_charts import chart
+from .cycle_charts import packed_chart
 from .packed_array import packed, packed_exactly
 
 RASTER = (121, 49)  # points along the face and the profile
 CORNER_TOLERANCE = 1e-9  # of a barycentric coordinate
 AREA_MINIMUM = 1e-9  # of a triangle, twice, in meshes of the raster
-
-
-def on_member(fields: FlankSplines, points: Array, member: str) -> Array:
-    """Fractions (2, ...) on a member's flank of points (2, ...) of the gear's; NaN stays NaN."""
-    if member == "gear":
-        return points
-    known = np.nan_to_num(np.clip(points, 0.0, 1.0)).reshape(2, -1)
-    fractions = fields.evaluate(["pinion_lengthwise", "pinion_profile"], known)
-    opposite = np.stack(list(fractions.values())).reshape(np.shape(points))
-    return np.where(np.isfinite(points), opposite, np.nan)
 
 
 def rasterised(points: Array, values: Array, triangles: NDArray[np.int64], shape: tuple[int, int] = RASTER) -> Array:
@@ -87,7 +78,7 @@ def _cross(a: Array, b: Array) -> Array:
 def pressure_raster(at_torque: xr.Dataset, view: ToothView) -> Array:
     """Greatest pressure [MPa] over the mesh cycle on a flank; zero where there is no load."""
     surface = pressure_map(at_torque)
-    points = on_member(view.fields, surface.points, view.member)
+    points = view.fractions(surface.points)
     return np.nan_to_num(rasterised(points, surface.pressure, surface.triangles))
 
 
@@ -96,7 +87,7 @@ def gear_raster(grid: Array, values: Array, view: ToothView, shape: tuple[int, i
     node = np.arange(values.size).reshape(values.shape)
     first = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:]], axis=-1).reshape(-1, 3)
     second = np.stack([node[:-1, :-1], node[1:, 1:], node[:-1, 1:]], axis=-1).reshape(-1, 3)
-    points = on_member(view.fields, grid.reshape(2, -1), view.member)
+    points = view.fractions(grid.reshape(2, -1))
     return rasterised(points, values.ravel(), np.concatenate([first, second]), shape)
 
 
@@ -249,7 +240,7 @@ def segments(loaded: xr.Dataset, chosen: NDArray[Any], views: tuple[ToothView, .
         columns.append(np.stack([*(ordered(at_torque, name, *order)[carries] for name in names), edge[carries]]))
     table = np.concatenate(columns, axis=1)
     numbers = dict(zip(("pressure", "half_width", "length", "force"), map(packed, table[3:7]), strict=True))
-    places = {view.member: packed(on_member(view.fields, table[:2], view.member)) for view in views}
+    places = {view.member: packed(view.fractions(table[:2])) for view in views}
     return {
         "start": starts,
         "places": places,
@@ -321,7 +312,7 @@ def modification_part(tree: xr.DataTree) -> dict[str, Any] | None:
                     "title": f"Before → after, {assembly_title(assembly, number)}",
                     "heads": ["", *(f"{torque:g} N m" for torque in record["torque"].values), "variable"],
                     "rows": [
-                        [label.replace("[urad]", "[µrad]"), *changes, f"optimization/{name}"]
+                        [label, *changes, f"optimization/{name}"]
                         for name, label, changes in assembly_rows(assembly, " → ")
                     ],
                 }
@@ -332,7 +323,7 @@ def modification_part(tree: xr.DataTree) -> dict[str, Any] | None:
 def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
     """Wear for the page: depths on both flanks at the end, numbers over the steps, and charts over the revolutions."""
     turned = worn["revolutions"].values.astype(float)
-    torques = [f"{torque:g} N m" for torque in worn["torque"].values]
+    torques = [torque_name(float(torque)) for torque in worn["torque"].values]
     depth = ordered(worn.isel(step=-1), "wear_depth", "member", *GRID)
     members = [str(member) for member in worn["member"].values]
     both: tuple[MemberName, ...] = get_args(MemberName)
@@ -350,7 +341,7 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
     heads += [f"transmission error, {words} [µrad]" for words in at]
     heads += [f"greatest pressure, {words} [MPa]" for words in at]
     rows = []
-    for step in _even(turned.size):
+    for step in evenly_chosen(np.arange(turned.size), STEP_COUNT_LIMIT):
         cells = [*(f"{v:.2f}" for v in largest[step]), *(written(v, ".2f") for v in shown_error[step])]
         rows.append([f"{turned[step]:.0f}", *cells, *(written(v, ".0f") for v in shown_pressure[step])])
     return {
@@ -371,14 +362,5 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
             "rows": rows,
             "variables": ["revolutions", "largest_depth", "peak_to_peak", "max_pressure"],
         },
-        "charts": [
-            chart("wear_depth", [(m, turned, largest[:, i]) for i, m in enumerate(members)]),
-            chart("wear_error", [(t, turned, ripple[:, i]) for i, t in enumerate(torques)]),
-            chart("wear_pressure", [(t, turned, pressure[:, i]) for i, t in enumerate(torques)]),
-        ],
+        "charts": [packed_chart(one) for one in wear_charts(worn)],
     }
-
-
-def _even(count: int) -> list[int]:
-    """Numbers of evenly chosen steps, the first and the last one among them."""
-    return [int(step) for step in np.unique(np.linspace(0, count - 1, min(count, STEP_COUNT_LIMIT)).round())]

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from ...cases.conversion import gear_pair
-from ...cases.schema.case_schema import Case
+from ...cases.schema.case_schema import MATING_SIDES, Case
 from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.errors import EaseoffError
@@ -87,6 +87,11 @@ def placed(points: Array, pair: GearPair, member: MemberName) -> Array:
     return np.asarray(points @ pair.assembly.pinion_frame.T + pair.assembly.pinion_origin)
 
 
+def loaded_patch(tree: xr.DataTree, member: str) -> str:
+    """Name of the loaded flank among the patches of a tooth."""
+    return f"{MATING_SIDES[tree.attrs['flank']][MEMBERS.index(member)]}_flank"
+
+
 FLANK_NODES = (41, 15)  # of a drawn tooth along the face and the profile
 
 
@@ -102,10 +107,9 @@ def mesh_scene(tree: xr.DataTree, case: Case) -> dict[str, Any] | None:
         return None
     attributes = tree["ease_off"].attrs
     turns = member_turns(tree, pair)
-    flanks = {"pinion": ("concave", "convex"), "gear": ("convex", "concave")}
     members = {}
     for member in MEMBERS:
-        loaded = f"{flanks[member][tree.attrs['flank'] != 'drive']}_flank"
+        loaded = loaded_patch(tree, member)
         surfaces = patches[member]
         frame = pair.assembly.pinion_frame if member == "pinion" else np.eye(3)
         origin = pair.assembly.pinion_origin if member == "pinion" else pair.assembly.gear_origin

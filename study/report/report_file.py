@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...core.arrays import Array
 from ...core.attributes import ordered
@@ -28,13 +27,16 @@ from ...core.errors import InputError, printable
 from ...core.netcdf_file import tree_or_none
 from ...core.output_file import whole_file
 from ...friction.operation import named_models
-from ..plot.page import evenly_chosen
+from ..plot.page import evenly_chosen, middle
 from ..plot.tooth_view import tooth_view
 from ..result import checked_result, read_result
 from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, require_layout
+from ..summary import curves
+from ..summary.deflection_report import deflection_tables
+from ..summary.quantities import roughness_words
 from ..summary.result_summary import head_rows, result_notes
 from ..summary.supports_report import supports_tables
-from ..summary.sweep_report import SIGNS, reasons, totals, vh_rows
+from ..summary.sweep_report import SIGNS, places_table, reasons, totals
 from ..summary.table import with_signs
 from ..sweep.sweep_file import MARK
 from . import cycle_charts, flank_pictures
@@ -47,7 +49,6 @@ from .report_tables import (
     load_case_rows,
     loaded_numbers,
     mean_pitch_radius,
-    misalignment_rows,
     unloaded_numbers,
 )
 from .stored_case import stored_case
@@ -170,8 +171,6 @@ def _require_kind(name: str, kind: str) -> None:
 
 COARSER = 2  # prints of the grid, which are drawn small
 MARGIN = 0.04  # around a print, of its length
-HEADS = ("", "V [mm]", "H [mm]", "centre at toe, root [%]", "from, to toe [%]", "height [%]", "peak to peak [µrad]")
-VARIABLES = "v, h, pattern_centre_lengthwise, pattern_centre_profile, pattern_from, pattern_to, pattern_height"
 
 
 def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
@@ -179,7 +178,6 @@ def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
     plane = ordered(found, "in_plane", "plane_axis", *GRID)
     (left, bottom), (right, top) = plane.min(axis=(1, 2)), plane.max(axis=(1, 2))
     margin = MARGIN * (right - left)
-    rows = [[*row, *[""] * (len(HEADS) - len(row))] for row in vh_rows(found)]
     return {
         "name": name,
         "title": str(found.attrs.get("title", "")),
@@ -192,7 +190,7 @@ def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
                 "common": [],
             }
         },
-        "table": {"heads": list(HEADS), "rows": rows, "variables": [*VARIABLES.split(", "), "peak_to_peak"]},
+        "table": places_table(found).page(),
         "total": "; ".join([totals(found), *SIGNS]),
         "reasons": reasons(found),
         "places": [_place(found.sel(place=place)) for place in found["place"].values],
@@ -210,11 +208,11 @@ def _place(one: xr.Dataset) -> dict[str, Any]:
     excess = ordered(one, "print_excess", *GRID)
     return {
         "name": str(one["place"].values),
-        "v": _number(one["v"]),
-        "h": _number(one["h"]),
+        "v": _finite(one["v"]),
+        "h": _finite(one["h"]),
         "print": _print(excess),
-        "wanted": [_number(one[f"place_{name}"]) for name in GRID],
-        "centre": [_number(one[f"pattern_centre_{name}"]) for name in GRID],
+        "wanted": [_finite(one[f"place_{name}"]) for name in GRID],
+        "centre": [_finite(one[f"pattern_centre_{name}"]) for name in GRID],
     }
 
 
@@ -238,11 +236,7 @@ def _print(excess: Array) -> dict[str, Any] | None:
     return packed(np.clip(excess, -1.0, 1.0)) if np.any(np.isfinite(excess)) else None
 
 
-def _number(value: xr.DataArray) -> float | None:
-    return _finite(float(value))
-
-
-def _finite(value: float) -> float | None:
+def _finite(value: Any) -> float | None:
     return float(value) if np.isfinite(value) else None
 
 
@@ -348,7 +342,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "flank": str(tree.attrs["flank"]),
         "head": [[left, with_signs(printable(right))] for left, right in [*head_rows(tree), *_analysed(tree)]],
         "notes": [with_signs(printable(note)) for note in result_notes(tree)],
-        "misalignment": misalignment_rows(tree),
+        "misalignment": [table.page() for table in deflection_tables(tree)],
         "case": [] if case is None else case_tables(case),
         "unloaded_numbers": unloaded_numbers(tree),
         "loaded_numbers": under_load,
@@ -365,10 +359,10 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "pressure": flank_pictures.pressure_fields(loaded, chosen, views),
         "segments": flank_pictures.segments(loaded, chosen, views),
         "charts": {
-            "error": cycle_charts.transmission_error_charts(
-                tree, chosen, None if case is None else mean_pitch_radius(case)
+            "error": curves.transmission_error_charts(
+                tree["unloaded"].to_dataset(), loaded, chosen, None if case is None else mean_pitch_radius(case)
             ),
-            "contact": cycle_charts.contact_charts(tree, chosen),
+            "contact": curves.contact_charts(tree, chosen),
         },
         "over_torque": cycle_charts.over_torque(tree),
         "scene": None if case is None else mesh_scene(tree, case),
@@ -376,24 +370,25 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
     }
     condition = None
     if "supports" in tree.children:
-        content["charts"]["supports"] = cycle_charts.supports_charts(tree, chosen)
+        content["charts"]["supports"] = curves.supports_charts(tree, chosen)
     if "root_stress" in tree.children:
-        content["charts"]["root"] = cycle_charts.root_stress_charts(tree["root_stress"].to_dataset(), chosen)
+        content["charts"]["root"] = curves.root_stress_charts(tree["root_stress"].to_dataset(), chosen)
     if "friction" in tree.children:
         friction = tree["friction"].to_dataset()
         speeds = evenly_chosen(friction["speed"].values, min(SPEED_LIMIT, max(1, SPEED_COUNT // count)))
-        at = {key: _middle(friction[key].values) for key in ("temperature", "roughness")}
-        middle = {"speed": _middle(friction["speed"].values), **at}
-        condition = {key: float(friction[key].values[number]) for key, number in middle.items()}
-        content["charts"]["friction"] = cycle_charts.friction_charts(tree, chosen, middle)
+        at = {key: middle(friction[key].values) for key in ("temperature", "roughness")}
+        all_at = {"speed": middle(friction["speed"].values), **at}
+        condition = {key: float(friction[key].values[number]) for key, number in all_at.items()}
+        content["charts"]["friction"] = curves.friction_charts(tree, chosen, all_at)
         content["friction"] = {
             "models": printable(named_models(friction.attrs)),
-            "condition": condition,
+            "condition": condition | {"roughness": roughness_words(friction, at["roughness"])},
             "speeds": friction["speed"].values[speeds].tolist(),
             "fields": flank_pictures.friction_fields(tree, chosen, speeds, at, views[0]),
-            "map": cycle_charts.efficiency_map(friction, middle),
+            "map": cycle_charts.efficiency_map(friction, at),
             "table": efficiency_rows(friction, loaded),
         }
+    content["charts"] = {part: list(map(cycle_charts.packed_chart, own)) for part, own in content["charts"].items()}
     content["first_numbers"] = first_numbers(tree, under_load, condition)
     return content
 
@@ -404,8 +399,3 @@ def _analysed(tree: xr.DataTree) -> list[tuple[str, str]]:
     if not history or not history[-1].strip():
         return []
     return [("analysed", HISTORY_TIME.sub(r"\1 \2 UTC,", history[-1]))]
-
-
-def _middle(values: NDArray[Any]) -> int:
-    """Number of the middle one of values."""
-    return int(np.argsort(values)[(values.size - 1) // 2])

@@ -6,6 +6,8 @@ Dimensions that a case implies: what a gear's data sheet lists, measured on its 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -23,10 +25,24 @@ from ...geometry.pair.gear_pair import MEMBERS, GearPair, thickness_per_angle
 from ...geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
 from ...geometry.tooth.tooth_flanks import named_member, placed_flanks, tooth_angle
 from ..analysis.key_numbers import key_numbers
-from ..summary.deflection_report import mean_misalignment
+from ..result_layout import CONDITIONS
 from ..summary.load_case_summary import duty_lines, load_case_notes, load_case_tables
-from ..summary.quantities import FRICTION, LOADED, UNLOADED, written
-from ..summary.result_summary import end_name
+from ..summary.quantities import (
+    EDGE_SHARE,
+    ERROR_ALONG_NORMAL,
+    ERROR_AT_RADIUS,
+    FRICTION,
+    GEAR_TORQUE,
+    LOADED,
+    PINION_POWER,
+    ROOT_STRESS,
+    STIFFNESS_BY_WIDTH,
+    UNLOADED,
+    Quantity,
+    harmonic,
+    roughness_words,
+)
+from ..summary.result_summary import condition_words, end_name
 from ..summary.table import with_signs
 
 SIDES = ("concave", "convex")
@@ -142,18 +158,19 @@ FIRST_PATHS = (
 )
 
 
+def _row(quantity: Quantity, source: str, values: Iterable[float]) -> list[str]:
+    """Row name, unit, variable and a value a torque."""
+    return [quantity.label, quantity.unit, source, *map(quantity.written, values)]
+
+
 def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
     """Rows name, unit, variable and value of the contact without load."""
     numbers = key_numbers(tree)
     rows = [
-        [quantity.label, quantity.unit, path, quantity.written(float(numbers[name]))]
-        for name, (quantity, path) in UNLOADED.items()
-        if name in numbers
+        _row(quantity, path, [float(numbers[name])]) for name, (quantity, path) in UNLOADED.items() if name in numbers
     ]
     orders = zip(numbers["order"].values, numbers["unloaded_harmonic"].values, strict=True)
-    return rows + [
-        [f"transmission error, order {o:g}", "µrad", "unloaded.harmonics", written(v, ".2f")] for o, v in orders
-    ]
+    return rows + [_row(harmonic(order), "unloaded.harmonics", [value]) for order, value in orders]
 
 
 def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any]:
@@ -164,25 +181,25 @@ def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any
     numbers = key_numbers(tree)
     loaded = tree["loaded"].to_dataset()
     rows = [
-        [quantity.label, quantity.unit, f"loaded/{variable}", *map(quantity.written, numbers[variable].values)]
+        _row(quantity, f"loaded/{variable}", numbers[variable].values)
         for variable, quantity in LOADED.items()
         if variable in numbers
     ]
-    for order in numbers["order"].values:
-        values = numbers["harmonic"].sel(order=order).values
-        rows.append([f"transmission error, order {order:g}", "µrad", "loaded/harmonic", *(f"{v:.2f}" for v in values)])
+    rows += [
+        _row(harmonic(order), "loaded/harmonic", numbers["harmonic"].sel(order=order).values)
+        for order in numbers["order"].values
+    ]
     if "max_pressure_line_end" in numbers:
         ends = [end_name(value) for value in numbers["max_pressure_line_end"].values]
         rows.append(["greatest pressure, inside or where its line ends", "", "loaded/max_pressure_line_end", *ends])
     if "max_edge_share" in numbers:
-        shares = [written(100.0 * v, ".1f") for v in numbers["max_edge_share"].values]
-        rows.append(["greatest share on tooth edges", "%", "loaded/edge_share", *shares])
+        rows.append(_row(EDGE_SHARE, "loaded/edge_share", numbers["max_edge_share"].values))
     rows += [*_along_pitch_circle(loaded, case), *_along_normal(tree, loaded)]
     if "max_root_stress" in numbers:
         for member in numbers["member"].values:
+            of_member = replace(ROOT_STRESS, label=f"{ROOT_STRESS.label}, {member}")
             values = numbers["max_root_stress"].sel(member=member).values
-            stresses = (written(v, ".0f") for v in values)
-            rows.append([f"greatest root stress, {member}", "MPa", "root_stress/max_root_stress", *stresses])
+            rows.append(_row(of_member, "root_stress/max_root_stress", values))
     positions = loaded.sizes["mesh_position"]
     certified = [f"{v:.0f} of {positions}" for v in numbers["certified_positions"].values]
     rows.append(["certified mesh positions", "", "loaded/status", *certified])
@@ -196,30 +213,20 @@ def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict
     """
     torques = ordered(tree["loaded"].to_dataset(), "torque", "torque")
     ratio = float(tree.attrs["gear_teeth"]) / float(tree.attrs["pinion_teeth"])
-    rows = [
-        ["torque of the gear, without losses", "N m", "loaded/torque × ratio", *(f"{v:.4g}" for v in ratio * torques)]
-    ]
+    rows = [_row(GEAR_TORQUE, "loaded/torque × ratio", ratio * torques)]
     rows += [row for path in FIRST_PATHS for row in under_load["rows"] if row[2] == path]
     if condition is None:
         return {"torques": under_load["torques"], "rows": rows, "condition": ""}
-    friction = tree["friction"].to_dataset().sel(condition)
+    whole = tree["friction"].to_dataset()
+    friction = whole.sel(condition)
     power = torques * condition["speed"] * math.pi / 30.0
-    rows.append(["power of the pinion", "kW", "loaded/torque × friction/speed", *(f"{1e-3 * v:.4g}" for v in power)])
+    rows.append(_row(PINION_POWER, "loaded/torque × friction/speed", power))
     for variable in ("mean_power_loss", "efficiency"):
-        quantity, values = FRICTION[variable], ordered(friction, variable, "torque")
-        rows.append([quantity.label, quantity.unit, f"friction/{variable}", *map(quantity.written, values)])
+        rows.append(_row(FRICTION[variable], f"friction/{variable}", ordered(friction, variable, "torque")))
     speeds = f"{condition['speed']:g} 1/min of the pinion, {condition['speed'] / ratio:.4g} 1/min of the gear"
-    words = f"power, loss and efficiency at {speeds}, {condition['temperature']:g} °C, Rq {condition['roughness']:g} µm"
+    rough = roughness_words(whole, int(np.argmax(whole["roughness"].values == condition["roughness"])))
+    words = f"power, loss and efficiency at {speeds}, {condition['temperature']:g} °C, Rq {rough} µm"
     return {"torques": under_load["torques"], "rows": rows, "condition": words}
-
-
-def misalignment_rows(tree: xr.DataTree) -> list[list[str]]:
-    """Rows torque, E, P, G [mm] and Sigma [°] as means over the mesh cycle; none if they are alike at all torques."""
-    course = mean_misalignment(tree)
-    if course is None:
-        return []
-    rows = zip(course[0].tolist(), course[1].tolist(), strict=True)
-    return [[f"{torque:g}", *(f"{value:+.4f}" for value in values)] for torque, values in rows]
 
 
 def mean_pitch_radius(case: Case) -> float | None:
@@ -235,8 +242,7 @@ def _along_pitch_circle(loaded: xr.Dataset, case: Case | None) -> list[list[str]
     if radius is None:
         return []
     source = f"loaded/peak_to_peak × {radius:.2f} mm (mean pitch radius of the gear, from blank)"
-    values = [written(1e-3 * radius * v, ".3f") for v in loaded["peak_to_peak"].values]
-    return [["transmission error at the mean pitch radius, peak to peak", "µm", source, *values]]
+    return [_row(ERROR_AT_RADIUS, source, radius * loaded["peak_to_peak"].values)]
 
 
 def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
@@ -248,17 +254,14 @@ def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
     grid = ("lengthwise", "profile")
     arm = float(np.mean(ordered(ease_off, "lever_arm", *grid)[ordered(ease_off, "inside", *grid) == 1]))
     source = f"loaded/peak_to_peak × {arm:.2f} mm (mean of ease_off/lever_arm)"
-    errors = [written(1e-3 * arm * v, ".3f") for v in loaded["peak_to_peak"].values]
-    rows = [["transmission error along the normal, peak to peak", "µm", source, *errors]]
+    rows = [_row(ERROR_ALONG_NORMAL, source, arm * loaded["peak_to_peak"].values)]
     if "mean_mesh_stiffness" in loaded:
         position = ordered(tree["flanks"].to_dataset(), "position", "member", *grid, "xyz")[1]
         middle = position[:, position.shape[1] // 2]
         ends = middle[[0, -1]]
         width = float(np.hypot(*np.diff(np.stack([ends[:, 2], np.hypot(ends[:, 0], ends[:, 1])]), axis=1)[:, 0]))
         source = f"loaded/mean_mesh_stiffness / ({arm:.2f} mm)² / {width:.2f} mm (flanks/position)"
-        # N m/urad is 1e9 N mm/rad; over mm^2 that is N/mm, a thousandth of it N/um.
-        values = [written(1e6 * v / arm**2 / width, ".2f") for v in loaded["mean_mesh_stiffness"].values]
-        rows.append(["mesh stiffness along the normal by face width", "N/(µm mm)", source, *values])
+        rows.append(_row(STIFFNESS_BY_WIDTH, source, loaded["mean_mesh_stiffness"].values / arm**2 / width))
     return rows
 
 
@@ -267,7 +270,6 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
 
     The greatest values over segments are over those that carry.
     """
-    names = ("torque", "speed", "temperature", "roughness")
     columns = {variable: quantity for variable, quantity in FRICTION.items() if variable in friction}
     carries = loaded["pressure"].fillna(0.0) > 0.0
     over = [
@@ -276,16 +278,15 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
         else friction[variable]
         for variable in columns
     ]
-    shape = tuple(friction.sizes[name] for name in names)
-    whole = xr.DataArray(np.ones(shape), dims=names)
-    tables = [(values * whole).transpose(*names).values for values in over]
+    shape = tuple(friction.sizes[name] for name in CONDITIONS)
+    whole = xr.DataArray(np.ones(shape), dims=CONDITIONS)
+    tables = [(values * whole).transpose(*CONDITIONS).values for values in over]
     rows = []
     for at in list(np.ndindex(shape))[:ROW_COUNT_LIMIT]:
-        conditions = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
         cells = [one.written(float(table[at])) for table, one in zip(tables, columns.values(), strict=True)]
-        rows.append([*conditions, *cells])
+        rows.append([*condition_words(friction, at), *cells])
     heads = ["torque [N m]", "speed [1/min]", "oil [°C]", "Rq [µm]", *(quantity.head for quantity in columns.values())]
-    variables = [f"friction/{name}" for name in (*names, *columns)]
+    variables = [f"friction/{name}" for name in (*CONDITIONS, *columns)]
     return {"heads": heads, "variables": variables, "rows": rows, "left": math.prod(shape) - len(rows)}
 
 

@@ -23,6 +23,7 @@ from ...geometry.pair.gear_pair import MEMBERS
 from ..case_correction import CaseCorrection
 from ..design.optimization.trust_region import RADIUS_MINIMUM
 from .deflection_report import ERRORS, deflection_notes
+from .quantities import OPTIMIZED
 from .table import Table
 
 SMALL_GAIN = 0.7  # share of the deviation left above which a correction hardly pays
@@ -156,14 +157,6 @@ def _notes(correction: Correction) -> Iterator[str]:
         )
 
 
-ROWS = (
-    ("greatest line load [N/mm]", "max_line_load", 0),
-    ("greatest pressure [MPa]", "max_pressure", 0),
-    ("line load at the edges [N/mm]", "max_end_load", 0),
-    ("transmission error, peak to peak [urad]", "peak_to_peak", 1),
-)
-
-
 def modification_report(tree: xr.DataTree) -> str:
     """Report of an optimal modification, from a result of ``modify``."""
     record, surface = tree["optimization"].to_dataset(), tree["modification"].to_dataset()
@@ -172,7 +165,7 @@ def modification_report(tree: xr.DataTree) -> str:
     torques = [f"{torque:g}" for torque in record["torque"].values]
     for number in range(record.sizes["assembly"]):
         assembly = record.isel(assembly=number)
-        rows = [(label, *changes) for _, label, changes in assembly_rows(assembly)]
+        rows = [(label.replace("µ", "u"), *changes) for _, label, changes in assembly_rows(assembly)]
         title = f"Before -> after, {assembly_title(assembly, number)}"
         parts.append(Table(("torque [N m]", *torques), rows, title=title).text())
     parts.append("Contact on lines alone, without tooth edges: 'easeoff run' shows what edges carry")
@@ -194,8 +187,8 @@ def assembly_rows(here: xr.Dataset, arrow: str = " -> ") -> list[tuple[str, str,
     """Variable, name and both values at each torque of what an optimization records of one assembly."""
     torques = range(here.sizes["torque"])
     return [
-        (name, label, [_change(here[name].values[:, t], digits, arrow) for t in torques])
-        for label, name, digits in ROWS
+        (name, quantity.head, [arrow.join(map(quantity.written, here[name].values[:, t])) for t in torques])
+        for name, quantity in OPTIMIZED.items()
     ]
 
 
@@ -223,10 +216,6 @@ def notes(tree: xr.DataTree) -> list[str]:
     if np.abs(tree["modification"].to_dataset()["modification"].values).max() > 0.999 * greatest:
         lines.append(f"Note: the modification reaches its limit of {greatest:g} um")
     return [*lines, *deflection_notes(tree)]
-
-
-def _change(both: np.ndarray, digits: int, arrow: str) -> str:
-    return f"{both[0]:.{digits}f}{arrow}{both[1]:.{digits}f}"
 
 
 def _errors(here: xr.Dataset) -> str:

@@ -12,6 +12,7 @@ import xarray as xr
 
 from ...core.arrays import Array
 from ...core.attributes import ordered
+from .quantities import Quantity
 from .table import ROW_COUNT_LIMIT, Table
 
 
@@ -29,6 +30,12 @@ class AssemblyError:
     def attribute(self) -> str:
         """Attribute of the root of a result with its value without torque."""
         return f"misalignment_{self.name}_{self.stored_unit}"
+
+    def quantity(self, form: str) -> Quantity:
+        """The error as a column of a table, written in a form."""
+        return Quantity(
+            self.symbol, self.unit.replace("deg", "°"), form, self.factor, column=f"{self.symbol}\n{self.unit}"
+        )
 
     def words(self, value: float, form: str = "+g") -> str:
         """A value [mm, degree] with symbol and unit."""
@@ -86,8 +93,10 @@ def deflection_tables(tree: xr.DataTree) -> list[Table]:
         (f"{torque:g}", *("0" if value == 0.0 else f"{value:+.4f}" for value in row))
         for torque, row in zip(course[0], course[1].tolist(), strict=True)
     ]
-    heads = ("torque\nN m", *(f"{error.symbol}\n{error.unit}" for error in ERRORS))
-    return [Table(heads, rows, 0, "Misalignment over the torque", group="misalignment")]
+    heads: list[str | Quantity] = ["torque\nN m", *(error.quantity("+.4f") for error in ERRORS)]
+    title = "Misalignment over the torque, mean over the mesh cycle"
+    variables = tuple(f"misalignment/{name}" for name in ("torque", *(error.name for error in ERRORS)))
+    return [Table(heads, rows, 0, title, variables=variables, group="misalignment")]
 
 
 def deflection_notes(tree: xr.DataTree) -> list[str]:

@@ -5,6 +5,7 @@ Summary of a file of contact problems: what they are of, how many, how large, an
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,20 +16,21 @@ from ...contact.problem.exchange.problem_file import FORMAT, read_attributes, re
 from ...core.errors import printable, shortened
 from .deflection_report import ERRORS, error_values
 from .plausibility import executed_settings
+from .quantities import FRICTION, LOADED, ROOT_STRESS, Quantity
 from .result_summary import doubts, uncertified
 from .table import Table, summary_text, underlined
 
-MISALIGNMENT = {f"{error.symbol}\n{error.unit}": (f"misalignment_{error.name}", error.factor) for error in ERRORS}
-OPERATION = {"speed\n1/min": ("speed", 1.0), "share\n%": ("share", 100.0)}
+#: What load cases are, and their main numbers, by their variables.
+INPUTS = {
+    "torque": Quantity("torque", "N m", "g", column="torque\nN m"),
+    **{f"misalignment_{error.name}": error.quantity("+.4g") for error in ERRORS},
+    "speed": Quantity("speed", "1/min", ".4g", column="speed\n1/min"),
+    "share": Quantity("share", "%", ".4g", 100.0, "share\n%"),
+}
 RESULTS = {
-    "peak to\npeak urad": ("peak_to_peak", "{:.2f}", 1.0),
-    "contact\nratio": ("contact_ratio", "{:.2f}", 1.0),
-    "pattern at\ntoe %": ("pattern_centre_lengthwise", "{:.0f}", 100.0),
-    "length\n%": ("pattern_length", "{:.0f}", 100.0),
-    "pressure\nMPa": ("max_pressure", "{:.0f}", 1.0),
-    "root stress\nMPa": ("max_root_stress", "{:.0f}", 1.0),
-    "power\nloss W": ("mean_power_loss", "{:.1f}", 1.0),
-    "efficiency\n%": ("efficiency", "{:.2f}", 100.0),
+    **{name: LOADED[name] for name in ("peak_to_peak", "contact_ratio", "pattern_centre_lengthwise", "pattern_length")},
+    **{"max_pressure": LOADED["max_pressure"], "max_root_stress": ROOT_STRESS},
+    **{name: FRICTION[name] for name in ("mean_power_loss", "efficiency")},
 }
 
 
@@ -43,44 +45,21 @@ def load_case_summary(tree: xr.DataTree) -> str:
 
 def load_case_tables(numbers: xr.Dataset) -> list[Table]:
     """Tables of what the load cases are, and of their main numbers, a row a load case."""
-    return [_table(_inputs(numbers), 2), _table(_results(numbers), 1)]
+    return [_table(numbers, ("load_case", "flank"), INPUTS), _table(numbers, ("load_case",), RESULTS)]
 
 
-def _inputs(numbers: xr.Dataset) -> dict[str, list[str]]:
-    """Columns by head: flank, torque, misalignment, speed and share."""
-    columns: dict[str, list[str]] = {
-        "load case": [str(name) for name in numbers["load_case"].values],
-        "flank": [str(name) for name in numbers["flank"].values],
-        "torque\nN m": [f"{torque:g}" for torque in numbers["torque"].values],
-        **{head: [f"{factor * v:+.4g}" for v in numbers[name].values] for head, (name, factor) in MISALIGNMENT.items()},
-    }
-    for head, (name, factor) in OPERATION.items():
-        if name in numbers:
-            columns[head] = [f"{factor * value:.4g}" for value in numbers[name].values]
-    return columns
-
-
-def variable_of(head: str) -> str:
-    """Variable of the group ``load_cases`` that a column shows, by its head."""
-    named = {**MISALIGNMENT, **OPERATION, **RESULTS}
-    return str(named[head][0]) if head in named else head.partition("\n")[0].replace(" ", "_")
-
-
-def _results(numbers: xr.Dataset) -> dict[str, list[str]]:
-    """Columns by head of the main numbers."""
-    columns: dict[str, list[str]] = {"load case": [str(name) for name in numbers["load_case"].values]}
-    for head, (name, words, factor) in RESULTS.items():
-        if name in numbers and not np.all(np.isnan(numbers[name].values)):
-            columns[head] = [
-                "-" if np.isnan(value) else words.format(factor * value) for value in _greatest(numbers[name])
-            ]
-    return columns
-
-
-def _table(columns: dict[str, list[str]], left: int) -> Table:
-    rows = list(zip(*columns.values(), strict=True))
-    variables = tuple(f"load_cases/{variable_of(head)}" for head in columns)
-    return Table(list(columns), rows, left, variables=variables, form="plain")
+def _table(numbers: xr.Dataset, names: tuple[str, ...], quantities: Mapping[str, Quantity]) -> Table:
+    """Names of the load cases, then those of the numbers that one of them has."""
+    known = [name for name in quantities if name in numbers and not np.all(np.isnan(numbers[name].values))]
+    columns = [[str(one) for one in numbers[name].values] for name in names]
+    columns += [[quantities[name].written(value) for value in _greatest(numbers[name])] for name in known]
+    return Table(
+        [*(name.replace("_", " ") for name in names), *(quantities[name] for name in known)],
+        list(zip(*columns, strict=True)),
+        len(names),
+        variables=tuple(f"load_cases/{name}" for name in (*names, *known)),
+        form="plain",
+    )
 
 
 def _greatest(variable: xr.DataArray) -> Any:

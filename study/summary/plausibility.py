@@ -30,6 +30,7 @@ from ...core.attributes import ROOT_RESOLUTION, ordered
 from ...friction.kolivand_formula import TOLD_THINNING
 from ...geometry.pair.gear_pair import MEMBERS
 from ..result_layout import CONDITIONS
+from .quantities import roughness_words
 from .supports_report import bearing_loads, towards_heel
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
@@ -333,8 +334,7 @@ def _at(friction: xr.Dataset, place: Mapping[str, int], more: str, named: bool) 
     chosen = [name for name in CONDITIONS if name in ("torque", "speed", more) or friction.sizes[name] > 1]
     values = {name: f"{float(friction[name].values[place[name]]):.4g}" for name in chosen}
     if "roughness" in values:
-        both = [f"{float(friction[f'roughness_{m}'].values[place['roughness']]):.4g}" for m in ("pinion", "gear")]
-        values["roughness"] = both[0] if both[0] == both[1] else "/".join(both)
+        values["roughness"] = roughness_words(friction, place["roughness"])
     return " at " + ", ".join(f"{values[name]} {units[name]}" for name in chosen)
 
 

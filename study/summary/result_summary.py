@@ -17,7 +17,7 @@ from ...contact.evaluation.pressure_map import LineEnd
 from ...contact.solvers import Status
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
-from ..result_layout import PATTERN
+from ..result_layout import CONDITIONS, PATTERN
 from .deflection_report import deflection_notes, deflection_tables, misalignment_over_torque, misalignment_words
 from .plausibility import (
     edge_notes,
@@ -28,11 +28,23 @@ from .plausibility import (
     range_notes,
     supports_notes,
 )
+from .quantities import (
+    EDGE_SHARE,
+    FRICTION,
+    LOADED,
+    NO_VALUE,
+    ROLLING_SHARE,
+    ROOT_STRESS,
+    Quantity,
+    roughness_words,
+    written,
+)
 from .supports_report import added_notes, supports_tables, supports_words
 from .table import ROW_COUNT_LIMIT, WIDTH, Table, summary_text, underlined
 
 COLUMN_COUNT_LIMIT = 5  # torques side by side
 FRACTIONS = ("lengthwise", "profile")
+LOADED_ROWS = LOADED | {"max_edge_share": EDGE_SHARE, "max_pressure_pair": Quantity("tooth pair", "", ".0f")}
 NO_AREA = "no area"  # of a pattern: contact at single points, on a single line, or none that is certified
 
 
@@ -82,38 +94,36 @@ def aligned(rows: list[tuple[str, str]]) -> str:
 def _loaded_rows(numbers: xr.Dataset, positions: int) -> list[tuple[str, list[str]]]:
     """Rows of the table of the loaded contact: name, and a text for every torque."""
 
-    def row(
-        name: str, words: str, *variables: str, factor: float = 1.0, missing: str | None = None
-    ) -> tuple[str, list[str]]:
+    def row(name: str, *variables: str, missing: str = "") -> tuple[str, list[str]]:
         if any(variable not in numbers for variable in variables):
             return name, []
-        values = zip(*(factor * numbers[variable].values for variable in variables), strict=True)
-        return name, [missing if missing and any(map(math.isnan, each)) else words.format(*each) for each in values]
+        values = zip(*(numbers[variable].values for variable in variables), strict=True)
+        quantities = [LOADED_ROWS[variable] for variable in variables]
+        return name, [
+            missing
+            if missing and any(map(math.isnan, each))
+            else ", ".join(one.written(value) for one, value in zip(quantities, each, strict=True))
+            for each in values
+        ]
 
     rows = [
-        row("transmission error, mean [urad]", "{:.1f}", "mean_level"),
-        row("  peak to peak", "{:.2f}", "peak_to_peak"),
+        row("transmission error, mean [urad]", "mean_level"),
+        row("  peak to peak", "peak_to_peak"),
         *(
-            (f"  harmonic {order}", [f"{value:.2f}" for value in numbers["harmonic"].sel(order=order).values])
+            (f"  harmonic {order}", [written(value, ".2f") for value in numbers["harmonic"].sel(order=order).values])
             for order in numbers["order"].values
         ),
-        row("  of the pinion, mean", "{:.1f}", "pinion_mean_level"),
-        row("  of the pinion, peak to peak", "{:.2f}", "pinion_peak_to_peak"),
-        row("mesh stiffness, mean [N m/urad]", "{:.3f}", "mean_mesh_stiffness"),
-        row("contact ratio, with edges" if with_edges(numbers) else "contact ratio", "{:.2f}", "contact_ratio"),
-        row("greatest share of a pair [%]", "{:.1f}", "max_load_share", factor=100.0),
-        row("share on edges up to [%]", "{:.1f}", "max_edge_share", factor=100.0),
-        row("pattern, centre from toe, root [%]", "{:.0f}, {:.0f}", *PATTERN[:2], factor=100.0, missing=NO_AREA),
-        row("  length, height [%]", "{:.0f}, {:.0f}", *PATTERN[2:], factor=100.0, missing=NO_AREA),
-        row("greatest pressure [MPa]", "{:.0f}", "max_pressure", missing="-"),
-        row(
-            "  from toe, root [%]",
-            "{:.0f}, {:.0f}",
-            *(f"max_pressure_{n}" for n in FRACTIONS),
-            factor=100.0,
-            missing="-",
-        ),
-        row("  mesh position, pair", "{:.2f}, {:.0f}", "max_pressure_position", "max_pressure_pair", missing="-"),
+        row("  of the pinion, mean", "pinion_mean_level"),
+        row("  of the pinion, peak to peak", "pinion_peak_to_peak"),
+        row("mesh stiffness, mean [N m/urad]", "mean_mesh_stiffness"),
+        row("contact ratio, with edges" if with_edges(numbers) else "contact ratio", "contact_ratio"),
+        row("greatest share of a pair [%]", "max_load_share"),
+        row("greatest share on edges [%]", "max_edge_share"),
+        row("pattern, centre from toe, root [%]", *PATTERN[:2], missing=NO_AREA),
+        row("  length, height [%]", *PATTERN[2:], missing=NO_AREA),
+        row("greatest pressure [MPa]", "max_pressure"),
+        row("  from toe, root [%]", *(f"max_pressure_{name}" for name in FRACTIONS), missing=NO_VALUE),
+        row("  mesh position, pair", "max_pressure_position", "max_pressure_pair", missing=NO_VALUE),
     ]
     if "max_pressure_line_end" in numbers:
         ends = [end_name(value) for value in numbers["max_pressure_line_end"].values]
@@ -121,16 +131,17 @@ def _loaded_rows(numbers: xr.Dataset, positions: int) -> list[tuple[str, list[st
     if "max_root_stress" in numbers:
         for member in numbers["member"].values:
             values = numbers["max_root_stress"].sel(member=member).values
-            rows.append((f"greatest root stress, {member} [MPa]", [f"{value:.0f}" for value in values]))
-    rows.append(row("certified mesh positions", f"{{:.0f}} of {positions}", "certified_positions"))
-    rows.append(row("worst residual", "{:.0e}", "worst_certificate"))
+            rows.append((f"greatest root stress, {member} [MPa]", [ROOT_STRESS.written(value) for value in values]))
+    certified = [f"{value:.0f} of {positions}" for value in numbers["certified_positions"].values]
+    rows.append(("certified mesh positions", certified))
+    rows.append(("worst residual", [f"{value:.0e}" for value in numbers["worst_certificate"].values]))
     return [(name, texts) for name, texts in rows if texts]
 
 
 def end_name(value: int) -> str:
     """End of the contact line at which the greatest pressure is, as text."""
     end = LineEnd(int(value))
-    return "-" if end == LineEnd.UNKNOWN else end.name.lower().replace("_", " ")
+    return NO_VALUE if end == LineEnd.UNKNOWN else end.name.lower().replace("_", " ")
 
 
 def loaded_table(numbers: xr.Dataset, positions: int) -> str:
@@ -149,91 +160,94 @@ ROUGH_SHARE = 0.4
 ROUGH_NOTE = f"with fewer digits: {100 * ROUGH_SHARE:.0f} % and more of the loss are outside the formula's range"
 CLAMPED_NOTE = "* beyond the oil's data: the last value was taken"
 #: Heads of the columns that name an operating condition.
-CONDITIONS = ("torque\nN m", "speed\n1/min", "oil\ndegC", "Rq\num")
+CONDITION_HEADS = ("torque\nN m", "speed\n1/min", "oil\ndegC", "Rq\num")
 #: Torques that the outcome names; of more it names the range.
 TORQUE_COUNT_LIMIT = 8
 
 
 def efficiencies(friction: xr.Dataset) -> str:
     """Table of power loss and efficiency, a row an operating condition, with the extremes if there are many."""
-    names = ("torque", "speed", "temperature", "roughness")
-    films = _with_place(friction, names, "min_film", "thickness", 3)
-    values = [friction[n].transpose(*names).values for n in ("efficiency", "mean_power_loss", "mean_rolling_loss")]
-    coefficient = friction["mean_friction_coefficient"].transpose(*names).values
-    beyond = is_rough(friction)
-    rows = []
-    for at in np.ndindex(coefficient.shape):
-        efficiency, loss, rolling = (v[at] for v in values)
-        conditions = _conditions(friction, names, at)
-        share = 100.0 * rolling / loss if loss else np.nan
-        digits = (3, 0, 0, 1) if beyond[at] else (4, 1, 1, 2)
-        values_of = (coefficient[at], loss, share, 100 * efficiency)
-        cells = tuple(f"{value:.{count}f}" for value, count in zip(values_of, digits, strict=True))
-        rows.append((*conditions, *cells, *films.get(at, ())))
-    headers = [
-        *CONDITIONS,
-        "mean\nmu",
-        "power\nloss W",
-        "rolling\npart %",
-        "efficiency\n%",
-        *(["least\nfilm um", "at toe,\nroot %"] if films else []),
-    ]
-    notes = [ROUGH_NOTE] * bool(np.any(beyond)) + [CLAMPED_NOTE] * bool(np.any(friction["temperature_clamped"].values))
-    table = Table(headers, rows, 0, note="\n".join(notes), group="friction").text()
-    if len(rows) > ROW_COUNT_LIMIT:
-        known = sorted((row for row in rows if row[7] != "nan"), key=lambda row: float(row[7]))
+    table = efficiency_table(friction)
+    text, at = table.text(), table.heads.index(FRICTION["efficiency"])
+    if len(table.rows) > ROW_COUNT_LIMIT:
+        known = sorted((row for row in table.rows if row[at] != NO_VALUE), key=lambda row: float(row[at]))
         for word, row in zip(("least", "greatest"), known[:1] + known[-1:], strict=False):
-            table += f"\n{word} efficiency: {row[7]} % at {row[0]} N m, {row[1]} 1/min, {row[2]} degC, {row[3]} um"
-    return table
+            text += f"\n{word} efficiency: {row[at]} % at {row[0]} N m, {row[1]} 1/min, {row[2]} degC, {row[3]} um"
+    return text
+
+
+def efficiency_table(friction: xr.Dataset) -> Table:
+    """Table of power loss and efficiency, a row an operating condition."""
+    loss, rolling = (over_conditions(friction, name) for name in ("mean_power_loss", "mean_rolling_loss"))
+    columns = {FRICTION["mean_friction_coefficient"]: over_conditions(friction, "mean_friction_coefficient")}
+    columns |= {FRICTION["mean_power_loss"]: loss}
+    columns |= {ROLLING_SHARE: np.divide(rolling, loss, out=np.full(loss.shape, np.nan), where=loss != 0.0)}
+    columns |= {FRICTION["efficiency"]: over_conditions(friction, "efficiency")}
+    rough, places = is_rough(friction), _places(friction, "min_film")
+    heads: list[str | Quantity] = [*CONDITION_HEADS, *columns]
+    if places:
+        heads += [FRICTION["min_film_thickness"], "at toe,\nroot %"]
+        films = over_conditions(friction, "min_film_thickness")
+    rows = [
+        (
+            *_marked_condition(friction, at),
+            *(quantity.written(float(values[at]), rough=bool(rough[at])) for quantity, values in columns.items()),
+            *((FRICTION["min_film_thickness"].written(float(films[at])), places[at]) if places else ()),
+        )
+        for at in np.ndindex(loss.shape)
+    ]
+    notes = [ROUGH_NOTE] * bool(rough.any()) + [CLAMPED_NOTE] * bool(friction["temperature_clamped"].values.any())
+    return Table(heads, rows, 0, note="\n".join(notes), group="friction")
+
+
+def contact_temperatures(friction: xr.Dataset) -> list[Table]:
+    """Table of the greatest flash temperatures, a row an operating condition, if the result has them."""
+    places = _places(friction, "max_flash")
+    if not places:
+        return []
+    names = ("max_flash_temperature", "max_contact_temperature", "max_pressure_velocity")
+    flash, contact, product = (FRICTION[name] for name in names)
+    values = [over_conditions(friction, name) for name in names]
+    rows = []
+    for at, place in places.items():
+        texts = [one.written(float(value[at])) for one, value in zip((flash, contact, product), values, strict=True)]
+        rows.append((*_marked_condition(friction, at), *texts[:2], place, texts[2]))
+    heads: list[str | Quantity] = [*CONDITION_HEADS, flash, contact, "at toe,\nroot %", product]
+    return [Table(heads, rows, 0, "Contact temperature", group="friction")]
+
+
+def over_conditions(friction: xr.Dataset, name: str) -> NDArray[Any]:
+    """Values of a variable over torque, speed, temperature and roughness."""
+    return friction[name].transpose(*CONDITIONS).values
 
 
 def is_rough(friction: xr.Dataset) -> NDArray[np.bool_]:
     """True where much of the power loss is outside the range of the formula, over the operating conditions."""
-    names = ("torque", "speed", "temperature", "roughness")
     if "extrapolated_share" not in friction:
-        return np.zeros([friction.sizes[name] for name in names], dtype=bool)
-    rough: NDArray[np.bool_] = np.nan_to_num(friction["extrapolated_share"].transpose(*names).values) >= ROUGH_SHARE
+        return np.zeros([friction.sizes[name] for name in CONDITIONS], dtype=bool)
+    rough: NDArray[np.bool_] = np.nan_to_num(over_conditions(friction, "extrapolated_share")) >= ROUGH_SHARE
     return rough
 
 
-def contact_temperatures(friction: xr.Dataset) -> str:
-    """Table of the greatest flash temperatures, a row an operating condition; empty if the result has none."""
-    names = ("torque", "speed", "temperature", "roughness")
-    flash = _with_place(friction, names, "max_flash", "temperature", 1)
-    if not flash:
-        return ""
-    whole, product = (
-        friction[name].transpose(*names).values for name in ("max_contact_temperature", "max_pressure_velocity")
-    )
-    rows = [
-        (*_conditions(friction, names, at), rise, f"{whole[at]:.1f}", place, f"{product[at]:.0f}")
-        for at, (rise, place) in flash.items()
-    ]
-    heads = [*CONDITIONS, "flash\nK", "contact\ndegC", "at toe,\nroot %", "greatest p v\nMPa m/s"]
-    return Table(heads, rows, 0, "Contact temperature", group="friction").text()
+def condition_words(friction: xr.Dataset, at: tuple[int, ...]) -> list[str]:
+    """Operating condition in words: torque, speed, temperature, and roughness, of both flanks if they differ."""
+    words = [f"{friction[name].values[i]:g}" for name, i in zip(CONDITIONS[:3], at, strict=False)]
+    return [*words, roughness_words(friction, at[3])]
 
 
-def _conditions(friction: xr.Dataset, names: tuple[str, ...], at: tuple[int, ...]) -> list[str]:
-    """Operating condition in words: torque, speed, temperature and roughness."""
-    words = [f"{friction[name].values[i]:g}" for name, i in zip(names, at, strict=True)]
-    rough = [friction[f"roughness_{member}"].values[at[3]] for member in ("pinion", "gear")]
-    words[2] += "*" if friction["temperature_clamped"].values[at[2]] else ""
-    words[3] = f"{rough[0]:g}" if rough[0] == rough[1] else f"{rough[0]:g}/{rough[1]:g}"
-    return words
+def _marked_condition(friction: xr.Dataset, at: tuple[int, ...]) -> list[str]:
+    """The same with a mark where the temperature is beyond the oil's data."""
+    torque, speed, temperature, rough = condition_words(friction, at)
+    return [torque, speed, temperature + "*" * bool(friction["temperature_clamped"].values[at[2]]), rough]
 
 
-def _with_place(
-    friction: xr.Dataset, names: tuple[str, ...], extreme: str, quantity: str, digits: int
-) -> dict[tuple[int, ...], tuple[str, str]]:
-    """An extreme over the mesh cycle and its place by operating condition; empty if the result has none."""
-    variables = [f"{extreme}_{name}" for name in (quantity, "lengthwise", "profile")]
-    if variables[0] not in friction:
+def _places(friction: xr.Dataset, extreme: str) -> dict[tuple[int, ...], str]:
+    """Place of an extreme over the mesh cycle by operating condition; empty if the result has none."""
+    names = [f"{extreme}_{name}" for name in FRACTIONS]
+    if names[0] not in friction:
         return {}
-    whole = [friction[n].transpose(*names).values for n in variables]
-    return {
-        at: (f"{whole[0][at]:.{digits}f}", f"{100 * whole[1][at]:.0f}, {100 * whole[2][at]:.0f}")
-        for at in np.ndindex(whole[0].shape)
-    }
+    along, up = (100.0 * over_conditions(friction, name) for name in names)
+    return {at: f"{along[at]:.0f}, {up[at]:.0f}" for at in np.ndindex(along.shape)}
 
 
 def uncertified(tree: xr.DataTree) -> list[str]:
@@ -344,7 +358,5 @@ def result_summary(tree: xr.DataTree) -> str:
         from ...friction.operation import named_models
 
         name = f"Friction{fed_back}: {named_models(friction.attrs)}"
-        parts += [name, efficiencies(friction)]
-        if temperatures := contact_temperatures(friction):
-            parts.append(temperatures)
+        parts += [name, efficiencies(friction), *(table.text() for table in contact_temperatures(friction))]
     return summary_text(parts, result_notes(tree))

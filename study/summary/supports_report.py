@@ -12,6 +12,7 @@ from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import MEMBERS
 from .deflection_report import error_values, misalignment_words
+from .quantities import written
 from .table import Table
 
 #: Parts of the gear's rotation by name, with their variables in the group ``supports``.
@@ -47,7 +48,8 @@ def supports_tables(tree: xr.DataTree) -> list[Table]:
     names, radial, axial = bearing_loads(tree)
     for first in range(0, len(names), BEARING_COUNT_LIMIT):
         bearings = range(first, min(first + BEARING_COUNT_LIMIT, len(names)))
-        loads = [_both(radial[number].mean(axis=1), axial[number].mean(axis=1)) for number in bearings]
+        means = [(radial[number].mean(axis=1), axial[number].mean(axis=1)) for number in bearings]
+        loads = [[f"{written(r, '.0f')}, {written(a, '+.0f')}" for r, a in zip(*both, strict=True)] for both in means]
         tables.append(
             Table(
                 ("torque\nN m", *("\n".join(names[number].split(" ", 1)) for number in bearings)),
@@ -142,8 +144,4 @@ def towards_heel(ease_off: xr.Dataset, member: str) -> Array:
 
 
 def _written(values: Array, form: str) -> list[str]:
-    return [format(value, form) if np.isfinite(value) else "-" for value in values]
-
-
-def _both(radial: Array, axial: Array) -> list[str]:
-    return [f"{r}, {a}" for r, a in zip(_written(radial, ".0f"), _written(axial, "+.0f"), strict=True)]
+    return [written(value, form) for value in values]

@@ -13,9 +13,11 @@ import numpy as np
 import xarray as xr
 
 from ...core.errors import InputError, printable
+from ...geometry.pair.gear_pair import MEMBERS
 from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
 from ..sweep.sweep_file import PointStatus
 from .deflection_report import error_values
+from .quantities import LOADED, WEAR_DEPTH
 from .table import Table, filled, underlined
 
 #: Numbers that are shown, where a sweep has them.
@@ -221,11 +223,11 @@ def _word(value: Any) -> str:
 def wear_summary(history: xr.Dataset) -> str:
     """Lines on a history of wear, those of ``easeoff wear`` and ``easeoff show``."""
     last = history.isel(step=-1)
-    depths = ", ".join(f"{m} {float(last['largest_depth'].sel(member=m)):.2f} um" for m in ("pinion", "gear"))
+    depths = ", ".join(f"{m} {WEAR_DEPTH.written(float(last['largest_depth'].sel(member=m)))} um" for m in MEMBERS)
     steps = history.sizes["step"] - 1
     lines = [
         f"{history.attrs.get('stop', 'ended')}, {float(last['revolutions']):.4g} revolutions in {steps} steps",
-        f"largest depth: {depths}",
+        f"{WEAR_DEPTH.label}: {depths}",
         "contact on lines alone, without tooth edges",
     ]
     if "deflections" in history.attrs:
@@ -239,24 +241,28 @@ def wear_summary(history: xr.Dataset) -> str:
     return "\n".join(lines)
 
 
-HEADERS = ("", "V\nmm", "H\nmm", "centre at\ntoe %, root %", "from, to\ntoe %", "height\n%", "peak to\npeak urad")
+HEADERS = ("", "V\nmm", "H\nmm", "centre at\ntoe, root %", "from, to\ntoe %", "height\n%", LOADED["peak_to_peak"])
+VARIABLES = (
+    *("v", "h", "pattern_centre_lengthwise", "pattern_centre_profile"),
+    *("pattern_from", "pattern_to", "pattern_height", "peak_to_peak"),
+)
 #: What V and H are positive for, one phrase each.
 SIGNS = ("V positive: the offset grows (E)", "H positive: pinion away from the crossing point (P)")
 
 
 def vh_table(found: xr.Dataset) -> str:
     """V and H at toe, middle and heel with the patterns there, their totals, and why a place was not reached."""
-    return "\n".join([Table(HEADERS, vh_rows(found)).text(), *reasons(found), "", totals(found)])
+    return "\n".join([places_table(found).text(), *reasons(found), "", totals(found)])
 
 
-def vh_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
-    """Cells of the table, a row a place; of one that was not reached its name and these words alone."""
+def places_table(found: xr.Dataset) -> Table:
+    """V and H and the pattern, a row a place; of one that was not reached its name and these words alone."""
     rows: list[tuple[str, ...]] = []
     for place in found["place"].values:
         one = found.sel(place=place)
         value = {str(name): variable.item() for name, variable in one.data_vars.items() if not variable.ndim}
         if np.isnan(value["v"]):
-            rows.append((str(place), "not reached"))
+            rows.append((str(place), "not reached", *[""] * (len(HEADERS) - 2)))
             continue
         centre = (value["pattern_centre_lengthwise"], value["pattern_centre_profile"])
         rows.append(
@@ -270,7 +276,7 @@ def vh_rows(found: xr.Dataset) -> list[tuple[str, ...]]:
                 f"{value['peak_to_peak']:.1f}",
             )
         )
-    return rows
+    return Table(HEADERS, rows, variables=VARIABLES)
 
 
 def reasons(found: xr.Dataset) -> list[str]:

@@ -12,19 +12,20 @@ from typing import Any
 from tabulate import tabulate
 
 from ...core.errors import printable
+from .quantities import NO_VALUE, Quantity
 
 WIDTH = 100  # [characters] of texts
 ROW_COUNT_LIMIT = 40  # of a table as text, where a group of the result has the rest
 #: Signs of units, which terminals may lack.
 SIGNS = {"urad": "µrad", "um": "µm", "degC": "°C"}
-NO_VALUE = "–"
+PLAIN_NO_VALUE = "-"  # in a terminal
 
 
 @dataclass(frozen=True)
 class Table:
-    """Heads and rows of texts."""
+    """Heads and rows of texts, for a terminal, a notebook and the page of the report."""
 
-    heads: Sequence[str]  # a unit may stand after a line break
+    heads: Sequence[str | Quantity]  # in a text a unit may stand after a line break
     rows: Sequence[Sequence[str]]
     left: int = 1  # columns that name the row; the others are numbers
     title: str = ""
@@ -45,22 +46,33 @@ class Table:
         """The table alone in a form of ``tabulate``, names on the left and numbers on the right."""
         sides = ("left",) * self.left + ("right",) * (len(self.heads) - self.left)
         options: dict[str, Any] = {"disable_numparse": True, "preserve_whitespace": True}
-        return tabulate(
-            self.rows if rows is None else rows, headers=self.heads, tablefmt=form, colalign=sides, **options
-        )
+        heads = [one if isinstance(one, str) else one.column or one.head for one in self.heads]
+        cells = [
+            [PLAIN_NO_VALUE if cell == NO_VALUE else cell for cell in row]
+            for row in (self.rows if rows is None else rows)
+        ]
+        return tabulate(cells, headers=heads, tablefmt=form, colalign=sides, **options)
 
     def page(self) -> dict[str, Any]:
         """The table for the page of the report: heads in one line, units in brackets, signs of units."""
-        rows = [[NO_VALUE if cell == "-" else cell for cell in row] for row in self.rows]
-        heads = [_headed(head) for head in self.heads]
+        rows = [[NO_VALUE if cell == PLAIN_NO_VALUE else cell for cell in row] for row in self.rows]
+        heads = [_headed(head) if isinstance(head, str) else head.head for head in self.heads]
         title = {"title": self.title} if self.title else {}
         return {**title, "heads": heads, "rows": rows, "variables": list(self.variables)}
+
+    def html(self, most: int | None = None, place: str = "") -> str:
+        """Title, table and note for a notebook; of the rows the first ``most``, and the place of the others."""
+        page, place = self.page(), place or self.group
+        parts = [f"<p><b>{html_text(self.title)}</b></p>"] if self.title else []
+        parts.append(html_table(page["heads"], page["rows"][:most]))
+        parts += [left_out(len(self.rows), most, place)] if most else []
+        return "".join([*parts, *(f"<p>{html_text(line)}</p>" for line in self.note.splitlines())])
 
 
 def _headed(head: str) -> str:
     """Head of a column in one line, with the unit in brackets and its signs."""
     words = head.replace("\n", " ").replace("urad", "µrad").replace("deg", "°")
-    return re.sub(r" (N m|mm|%|µrad|°|MPa|W|1/min)$", r" [\1]", words)
+    return re.sub(r"(?<!\d) (N m|mm|%|µrad|°|MPa|W|1/min)$", r" [\1]", words)
 
 
 def with_signs(text: str) -> str:
@@ -84,6 +96,11 @@ def filled(lines: Iterable[str]) -> str:
 def summary_text(parts: Sequence[str], notes: Sequence[str]) -> str:
     """Parts of a summary with a blank line between them, and its notes, wrapped."""
     return "\n\n".join([*parts, *([filled(notes)] if notes else [])])
+
+
+def left_out(count: int, most: int, place: str) -> str:
+    """Number of rows or columns of a table that a notebook does not show, and where they are, in HTML."""
+    return f"<p>and {count - most} more: <code>summary().tables[&quot;{place}&quot;]</code></p>" if count > most else ""
 
 
 def html_table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -415,7 +415,7 @@ def test_the_command_line_wears_and_goes_on_from_what_it_left(case_file: Path, t
     common = ["wear", case_file, "--torque", "100=0.5,200=0.5", "--revolutions", "2e6", "--largest-step", "5"]
     said = output_of(*common, "--coefficient", "1e-12/2e-12", "-o", out)
     assert "all revolutions done" in said
-    assert "\nlargest depth" in said
+    assert "\ngreatest wear depth" in said
     assert "peak to peak at 200 N m" in said
     assert "contact on lines alone, without tooth edges" in said
     with xr.open_dataset(out, engine="netcdf4") as stored:

@@ -35,8 +35,7 @@ from easeoff.friction.ehl.study import shipped_formula
 from easeoff.friction.kolivand_formula import FLAGS, combined_flags
 from easeoff.friction.loaded_contacts import loaded_contacts
 from easeoff.friction.losses import losses
-from easeoff.study.plot.friction_charts import draw_efficiency, draw_friction_maps as draw_maps
-from easeoff.study.plot.tooth_view import tooth_view
+from easeoff.study.plot.friction_charts import efficiency, friction_maps
 from easeoff.study.summary.plausibility import INPUTS, range_notes
 from easeoff.study.summary.result_summary import result_summary
 
@@ -183,8 +182,7 @@ def test_an_older_result_has_no_notes(tree: xr.DataTree) -> None:
 def test_show_and_pictures_tell_it(tree: xr.DataTree) -> None:
     whole = with_friction(tree, friction(tree, Operation(30.0, 90.0, 3.0)))
     assert "Note: 100 % of the power loss at 100 N m, 30 1/min, 3 um lies outside" in result_summary(whole)
-    view = tooth_view(whole)
-    for figure in (draw_maps(whole, view), draw_efficiency(whole)):
+    for figure in (friction_maps(whole), efficiency(whole)):
         small_print = " ".join(" ".join(text.get_text() for text in figure.texts).split())
         assert "100 % of the power loss" in small_print
         assert "outside the range of the friction formula (roughness, rolling velocity" in small_print

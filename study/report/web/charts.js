@@ -228,7 +228,7 @@ function efficiencyMap(parent, map, condition) {
       if (Number.isFinite(value)) cell.style.backgroundColor = css(colour("green", 0.05 + 0.45 * (value - low) / (high - low || 1)));
     }
   });
-  element("p", "small", box, `at ${written(condition.temperature)} °C, Rq ${written(condition.roughness)} µm`);
+  element("p", "small", box, `at ${written(condition.temperature)} °C, Rq ${condition.roughness} µm`);
   if (outside && outside.some((share) => share >= map.told)) {
     element("p", "small", box, `hatched: ${100 * map.told} % of the power loss or more lies outside the range of the friction formula (friction/extrapolated_share)`);
   }

@@ -126,10 +126,7 @@ function summary() {
     const first = result.first_numbers;
     table(element("div", "wide", box), ["key numbers", "unit", ...first.torques.map((t) => `${t} N m`), "variable"], first.rows.map(([name, unit, path, ...values]) => [name, unit, ...values, path]));
     if (first.condition) element("p", "small", box, `${first.condition}.`);
-    if (result.misalignment.length) {
-      table(box, ["torque [N m]", "E [mm]", "P [mm]", "G [mm]", "Sigma [°]"], result.misalignment, "Misalignment over the torque").classList.add("right");
-      element("p", "small variable-line", box, "Variables: misalignment/offset, pinion_axial, gear_axial, shaft_angle.");
-    }
+    for (const one of result.misalignment) storedTable(box, one);
     for (const note of result.notes) element("p", "note", box, note);
     if (!result.notes.length) element("p", "small", box, "No automatic note.");
     if (result.torque_count > result.torques.length) element("p", "small", box, `Pictures and charts over the mesh cycle show ${result.torques.length} of ${result.torque_count} torques.`);
@@ -367,7 +364,7 @@ function friction() {
     if (several) element("h3", "", node, result.name);
     if (!result.friction) { element("p", "none", node, `${result.name} has no friction: it was made without a speed.`); continue; }
     const own = result.friction, at = own.condition;
-    element("p", "small", node, `${own.models}; pictures at ${written(at.temperature)} °C and Rq ${written(at.roughness)} µm, charts over the mesh cycle at ${written(at.speed)} 1/min.`);
+    element("p", "small", node, `${own.models}; pictures at ${written(at.temperature)} °C and Rq ${at.roughness} µm, charts over the mesh cycle at ${written(at.speed)} 1/min.`);
     const grid = element("div", "grid", node);
     for (const name of ["sliding_velocity", "pv", ...Object.keys(own.fields)]) {
       const source = { sliding_velocity: "friction/sliding_velocity", pv: "loaded/pressure × friction/sliding_velocity" }[name] || `friction/${name}`;

@@ -28,8 +28,8 @@ from easeoff.cases import Case, shipped_cases
 from easeoff.cases.writing import with_blanks
 from easeoff.geometry import BlankDesign, BlankDimensions, blank_dimensions
 from easeoff.geometry.design.iso23509.pitch_cones import PitchCones, crown_gear
-from easeoff.study.report.cycle_charts import _weighted_mean
 from easeoff.study.report.report_tables import ROWS, dimension_rows, implied_dimensions
+from easeoff.study.summary.curves import _weighted_mean
 
 SAMPLES: dict[str, Any] = tomllib.loads((DATA / "iso23509_samples.toml").read_text())
 Vector = NDArray[np.float64]

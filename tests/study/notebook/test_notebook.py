@@ -125,9 +125,9 @@ def test_the_page_shows_the_numbers_of_the_text(tree: xr.DataTree) -> None:
     assert rows["torque at the pinion [N m]"] == ["100", "200"]
     assert rows["greatest pressure [MPa]"] == [f"{value:.0f}" for value in numbers["max_pressure"].values]
     friction = tree["friction"].to_dataset()
-    conditions = [row for row in Cells(page).rows if len(row) == 9][1:]
+    conditions = [row for row in Cells(page).rows if len(row) == 10][1:]
     assert [row[:4] for row in conditions] == [["100", "1000", "90", "0.8"], ["200", "1000", "90", "0.8"]]
-    assert [row[6] for row in conditions] == [f"{100 * value:.2f}" for value in friction["efficiency"].values.ravel()]
+    assert [row[7] for row in conditions] == [f"{100 * value:.2f}" for value in friction["efficiency"].values.ravel()]
     assert rows["misalignment"] == ["E +0.02 mm, Sigma +0.05 °"]
     for name, words in unloaded_rows(numbers):
         (shown,) = rows[name.strip().replace(" um", " µm")]
@@ -148,9 +148,9 @@ def test_the_page_marks_what_is_outside_the_ranges_as_the_text_does(tree: xr.Dat
     for note in (ROUGH_NOTE, CLAMPED_NOTE):
         assert note in str(summary)
         assert html_text(note) in page
-    conditions = [row for row in Cells(page).rows if len(row) == 9][1:]
+    conditions = [row for row in Cells(page).rows if len(row) == 10][1:]
     assert [row[2] for row in conditions] == ["90*", "90*"]
-    assert [row[6] for row in conditions] == [f"{100 * value:.1f}" for value in friction["efficiency"].values.ravel()]
+    assert [row[7] for row in conditions] == [f"{100 * value:.1f}" for value in friction["efficiency"].values.ravel()]
 
 
 @pytest.fixture(scope="module")
@@ -199,7 +199,7 @@ def test_the_page_shows_assembly_stiffness_and_places_as_the_text_does(held: xr.
 def test_the_page_of_load_cases_has_a_row_each(duty: xr.DataTree) -> None:
     rows = {row[0]: row[1:] for row in Cells(duty.easeoff._repr_html_()).rows[:3]}
     assert rows["climb"][-1] == "+0.1"
-    assert rows["load case"][-1] == "Sigma °"
+    assert rows["load case"][-1] == "Sigma [°]"
 
 
 def test_foreign_text_is_shown_and_does_nothing(tree: xr.DataTree) -> None:

@@ -23,11 +23,11 @@ from easeoff.cases import LoadCase, with_supports
 from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
 from easeoff.study.plot import written_pictures
 from easeoff.study.plot.friction_charts import loaded_map
-from easeoff.study.plot.mesh_cycle_charts import greatest_over_pairs
 from easeoff.study.plot.page import small_print
 from easeoff.study.plot.picture_files import file_prefix, pictures_of_results, result_mark
 from easeoff.study.plot.tooth_view import EDGE_NAME
 from easeoff.study.plot.written_pictures import FURTHER_PICTURES, PICTURES
+from easeoff.study.summary.curves import root_stress_charts
 from easeoff.study.sweep.sweep_file import write_sweep
 
 
@@ -219,8 +219,9 @@ def test_a_torque_draws_its_own_values(tree: xr.DataTree) -> None:
 
 def test_root_stress_over_the_cycle_is_the_greatest_of_the_pairs(stressed: xr.DataTree) -> None:
     stress = stressed["root_stress"].to_dataset()
-    found = greatest_over_pairs(stress, 0, "pinion")
-    np.testing.assert_array_equal(found, [2.0, np.nan, 8.0])
+    charts = {(one.name, one.member): one for one in root_stress_charts(stress, np.arange(stress.sizes["torque"]))}
+    found = charts["root_cycle", "pinion"].curves[0].y
+    np.testing.assert_array_equal(found, [2.0, np.nan, 8.0, 2.0])  # the first one again at the end
     face, cycle = plot.root_stress(stressed, member="gear", torque=200.0).axes
     np.testing.assert_array_equal(face.lines[0].get_ydata(), [15.0, 16.0, 17.0])
     assert np.max(np.asarray(cycle.lines[0].get_ydata())) == 53.0

@@ -39,15 +39,15 @@ from easeoff.study.plot.contact_pattern_chart import (
 from easeoff.study.plot.ease_off_map import contour_levels, ease_off_map
 from easeoff.study.plot.friction_charts import (
     GRID,
-    draw_efficiency,
+    efficiency,
     loaded_map,
     roughness_name,
     velocity_maps,
 )
 from easeoff.study.plot.mesh_cycle_charts import (
-    draw_transmission_error,
     mean_pairs_in_contact,
     share_passage,
+    transmission_error,
 )
 from easeoff.study.plot.page import even_lines, evenly_chosen, small_print, torque_name
 from easeoff.study.plot.pattern_lines import bent_lines, contact_pattern
@@ -594,19 +594,19 @@ def test_short_contour_lines_are_dropped() -> None:
 
 
 def test_pictures_say_how_many_torques_they_name(drive: xr.DataTree, lubricated: xr.DataTree) -> None:
-    figure = draw_transmission_error(changed(drive, "loaded", lambda ds: ds.isel(torque=[1] * 12)))
+    figure = transmission_error(changed(drive, "loaded", lambda ds: ds.isel(torque=[1] * 12)))
     legends = [axes.get_legend() for axes in figure.axes]
     headings = [legend.get_title().get_text() for legend in legends if legend is not None]
     assert headings == ["", "8 of 12 torques, the others pale", "8 of 12 torques, the others pale", ""]
     many = changed(lubricated, "friction", lambda _: friction(drive, Operation(list(np.arange(1.0, 8.0) * 300.0))))
-    texts = [axes.get_legend() for axes in draw_efficiency(many).axes if axes.get_visible()]
+    texts = [axes.get_legend() for axes in efficiency(many).axes if axes.get_visible()]
     assert "5 of 7 speeds" in [legend.get_title().get_text() for legend in texts if legend is not None]
 
 
 def test_two_roughnesses_are_both_named(drive: xr.DataTree, lubricated: xr.DataTree) -> None:
     found = friction(drive, Operation(1500.0, [60.0, 90.0], [(0.8, 0.4), 0.5, (0.2, 0.4)]))
     assert [roughness_name(found, index) for index in range(3)] == ["0.8/0.4 µm", "0.5 µm", "0.2/0.4 µm"]
-    *_, over_temperature, over_roughness = draw_efficiency(changed(lubricated, "friction", lambda _: found)).axes
+    *_, over_temperature, over_roughness = efficiency(changed(lubricated, "friction", lambda _: found)).axes
     legend = over_temperature.get_legend()
     assert legend is not None
     assert {text.get_text() for text in legend.get_texts()} == {"0.8/0.4 µm", "0.5 µm", "0.2/0.4 µm"}

@@ -204,7 +204,7 @@ def test_numbers_of_supports_are_those_of_their_variables(data: dict[str, Any], 
                 radial, axial = cell.split(", ")
                 assert agrees(radial, float(across.mean()))
                 assert agrees(axial.lstrip("+-"), abs(float(along.mean())))  # the sign is towards the heel
-        for torque, *cells in data["axle"]["misalignment"]:
+        for torque, *cells in data["axle"]["misalignment"][0]["rows"]:
             for name, cell in zip(("offset", "pinion_axial", "gear_axial", "shaft_angle"), cells, strict=True):
                 if float(torque):  # without torque there is none
                     values = moved[name].sel(torque=float(torque))

@@ -54,7 +54,7 @@ ITEMS = {
     "root stress of the pinion, chart": ("picture", "root_pinion"),
     "root stress of the gear, chart": ("picture", "root_gear"),
     "transmission error, linear": ("row", "transmission error at the mean pitch radius, peak to peak"),
-    "transmission error, angular": ("row", "transmission error of the gear, peak to peak"),
+    "transmission error, angular": ("row", "transmission error, peak to peak"),
     "mean mesh stiffness per face width": ("row", "mesh stiffness along the normal by face width"),
     "contact ratio under load": ("row", "contact ratio under load"),
     "flash temperature": ("column", "greatest flash temperature [K]"),
@@ -261,7 +261,7 @@ def test_load_cases_stand_in_a_table_and_the_heaviest_have_pictures(monkeypatch:
     inputs, results = part["tables"]
     assert [row[0] for row in inputs["rows"]] == [row[0] for row in results["rows"]] == [row.name for row in rows]
     assert inputs["heads"][:3] == ["load case", "flank", "torque [N m]"]
-    assert results["heads"][1] == "peak to peak [µrad]"
+    assert results["heads"][1] == "transmission error, peak to peak [µrad]"
     assert part["duty"]
 
 

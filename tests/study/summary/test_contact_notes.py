@@ -17,7 +17,6 @@ from easeoff.contact.evaluation.pressure_map import LineEnd, at_line_end, max_in
 from easeoff.geometry import Misalignment
 from easeoff.study.plot import mesh_cycle_charts
 from easeoff.study.plot.page import page
-from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.summary.plausibility import (
     EDGE_SHARE as TOLD_SHARE,
     EDGE_SHARE_LIMIT,
@@ -288,7 +287,7 @@ def test_few_positions_are_no_course() -> None:
 
 def test_the_picture_of_the_pressure_says_it() -> None:
     def words(tree: xr.DataTree) -> str:
-        figure: Any = mesh_cycle_charts.draw_pressure(tree, (tooth_view(tree, "gear"), tooth_view(tree, "pinion")))
+        figure: Any = mesh_cycle_charts.pressure(tree)
         return " ".join(" ".join(text.get_text() for text in figure.texts).split())
 
     assert "the greatest pressure jumps to" in words(planted({(1, 5): 1.5}))
