@@ -22,7 +22,7 @@ from ..problem.scaled_problem import ScaledProblem
 from . import native
 from .backend import FORMS, chosen_form
 from .backend_solution import ASSUMED, DEFAULT_POLISH, Adapter, adapter_of, backend_solution
-from .compiled.compiled_answer import linear_answer
+from .compiled.compiled_answer import dense_answer, is_small, linear_answer
 from .solution import SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
 from .solver_declaration import Solver, SolverChoice, declared_solver, entry_point_names
 from .solver_limits import Limits, StepBudget, backend_keywords
@@ -165,13 +165,11 @@ def solve(
     limits = Limits(tolerance, time_limit, max_iterations)
     name = solver if isinstance(solver, str) else ""
     plain = name in ("auto", "native") and form == "auto" and not settings and max_iterations is None
-    matrix = problem.compliance_matrix
-    few = isinstance(matrix, ModalCompliance) and matrix.has_few_modes  # else to find few costs more than the solution
     force = None if initial_force is None else array("initial_force", initial_force, "N", ndim=1, size=problem.size)
     active = None if force is None else force > 0.0
     if initial_active is not None:
         active = as_mask(initial_active, problem.size)
-    if plain and few and (time_limit is None or perf_counter() - start < time_limit):
+    if plain and (time_limit is None or perf_counter() - start < time_limit):
         solution = compiled_solution(problem, active, start)
         if solution is not None and solution.certificate.passes(limits.exact_tolerance):
             return solution if tolerance is None else replace(solution, tolerance=limits.exact_tolerance)
@@ -196,8 +194,14 @@ class _Request:
 def compiled_solution(
     problem: ContactProblem, active: NDArray[np.bool_] | None, start: float
 ) -> ContactSolution | None:
-    """Certified solution of the compiled modal method, or None; ``start`` is when the call began [s]."""
-    outcome = linear_answer(problem, active)
+    """Certified solution of a compiled method, or None; ``start`` is when the call began [s]."""
+    matrix = problem.compliance_matrix
+    if is_small(matrix, problem.size):
+        outcome, method = dense_answer(problem, active), "primal_dual_active_set"
+    elif isinstance(matrix, ModalCompliance) and matrix.has_few_modes:  # else to find few costs more than the solution
+        outcome, method = linear_answer(problem, active), "modal"
+    else:
+        return None
     if outcome is None:
         return None
     certificate = outcome.answer.certificate
@@ -209,11 +213,11 @@ def compiled_solution(
         "native",
         outcome.iterations,
         SOLVED,
-        "modal",
+        method,
         perf_counter() - start,
         False,
         EXACT_TOLERANCE,
-        f"native, {native.METHODS['modal'][0]}, {outcome.iterations} steps: certified",
+        f"native, {native.METHODS[method][0]}, {outcome.iterations} steps: certified",
         times=CallTimes(outcome.setup_time + outcome.solve_time, outcome.setup_time, outcome.solve_time, "solver"),
     )
 

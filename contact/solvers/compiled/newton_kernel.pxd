@@ -4,7 +4,7 @@ from libc.stdint cimport int64_t
 
 from .block_algebra cimport add_rows, backward, dot, eliminate, forward, gram, products, row_products
 from .line_deflection cimport pressed, strip
-from .proof_kernel cimport certificate, first_contact
+from .proof_kernel cimport certificate, first_contact, winkler_rotation
 
 cdef double INFINITY, NAN, ROUNDING_RESIDUAL, STALLED_RESIDUAL, ROUNDING_SLOPE, COARSE_RESIDUAL
 cdef double WINKLER_ROW_SUM_FRACTION, TOUCHING_GUESS
@@ -69,9 +69,6 @@ cdef void _move(Newton n, double length) noexcept nogil
 cdef (double, Py_ssize_t, bint) _iterate(
     Newton n, double torque, double rotation, bint linear, bint coarse
 ) noexcept nogil
-
-@cython.locals(top=double, bottom=double)
-cdef double _winkler_rotation(Newton n, Py_ssize_t total, double torque) noexcept nogil
 
 @cython.locals(total=Py_ssize_t)
 cdef Py_ssize_t _take(

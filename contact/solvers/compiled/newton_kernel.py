@@ -41,7 +41,7 @@ if not cython.compiled:
 
     from .block_algebra import add_rows, backward, dot, eliminate, forward, gram, products, row_products
     from .line_deflection import pressed, strip
-    from .proof_kernel import certificate, first_contact
+    from .proof_kernel import certificate, first_contact, winkler_rotation
 
 INFINITY, NAN = math.inf, math.nan
 MAX_ITERATIONS = 60
@@ -604,34 +604,6 @@ def _iterate(n: Any, torque: float, rotation: float, linear: bool, coarse: bool)
     return rotation, steps, ended
 
 
-def _winkler_rotation(n: Any, total: int, torque: float) -> float:
-    """Rotation at which springs without coupling balance the torque, from above: a convex function of one number.
-
-    Their stiffness stands where the gaps do later.
-    """
-    top, bottom = torque, 0.0
-    for x in range(total):
-        if n.arm[x] > 0.0:
-            stiff = n.gap[x] * n.arm[x]
-            top += stiff * n.separation[x]
-            bottom += stiff * n.arm[x]
-    rotation = top / bottom
-    for _step in range(MAX_ITERATIONS):
-        top, bottom = torque, 0.0
-        for x in range(total):
-            if n.arm[x] > 0.0 and rotation * n.arm[x] > n.separation[x]:
-                stiff = n.gap[x] * n.arm[x]
-                top += stiff * n.separation[x]
-                bottom += stiff * n.arm[x]
-        if not bottom > 0.0:
-            break
-        turned = top / bottom
-        if not turned < rotation * (1.0 - 1e-3):
-            break
-        rotation = turned
-    return rotation
-
-
 def _take(n: Any, level: int, arm: Any, local: Any, linear: bool, guess: float, highest: bool) -> int:
     """Take the segments of a level; returns their number. Local compliances of the highest are those at a load."""
     total, first = 0, n.places[level]
@@ -671,7 +643,7 @@ def _start(n: Any, total: int, torque: float, mask: Any, b: int) -> tuple[float,
                 i = n.segment[x]
                 whole = max(WINKLER_ROW_SUM_FRACTION * (n.sums[1, i] + n.local[x]), n.local[x] + n.sums[0, i])
                 n.gap[x] = weight / whole
-        winkler = _winkler_rotation(n, total, torque)
+        winkler = winkler_rotation(n.gap, n.separation, n.arm, total, torque)
         for x in range(total):
             n.touching[x] = n.arm[x] > 0.0 and winkler * n.arm[x] > n.separation[x]
     for a in range(n.modes):
