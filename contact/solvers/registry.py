@@ -24,7 +24,7 @@ from .backend import FORMS, chosen_form
 from .backend_solution import ASSUMED, DEFAULT_POLISH, Adapter, adapter_of, backend_solution
 from .compiled.compiled_answer import dense_answer, is_small, linear_answer
 from .solution import SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
-from .solver_declaration import Solver, SolverChoice, declared_solver, entry_point_names
+from .solver_declaration import ChosenSolver, Solver, SolverChoice, declared_solver, entry_point_names
 from .solver_limits import Limits, StepBudget, backend_keywords
 from .solver_table import SOLVERS
 
@@ -67,12 +67,18 @@ def require_solver(solver: SolverChoice) -> str:
     >>> require_solver("auto")
     'native'
     """
-    if isinstance(solver, str) and solver == "auto":
-        return "native"
+    return chosen_solver(solver).name
+
+
+def chosen_solver(solver: SolverChoice) -> ChosenSolver:
+    """Find what a user's choice stands for, where it enters; what was found is returned as it is. Raises as above."""
+    if isinstance(solver, ChosenSolver):
+        return solver
     declared = declared_solver(solver)
     if declared is not None:
-        return declared.name
-    name = str(solver)
+        return ChosenSolver(declared.name, declared, solver if isinstance(solver, str) else declared.name)
+    asked = str(solver)
+    name = "native" if asked == "auto" else asked
     if name not in SOLVERS:
         known = [*SOLVERS, *entry_point_names()]
         close = difflib.get_close_matches(name, known, n=1)
@@ -80,7 +86,7 @@ def require_solver(solver: SolverChoice) -> str:
         raise InputError(f"solver = {shown(name)}: must be one of auto, {', '.join(known)}, or MODULE:FUNCTION{hint}")
     if not _is_installed(name):
         raise MissingSolverError(f"solver {name!r} is not installed: {how_to_install(SOLVERS[name].requirement)}")
-    return name
+    return ChosenSolver(name, None, asked)
 
 
 def solve(
@@ -163,8 +169,8 @@ def solve(
     truth("polish", polish)
     start = perf_counter()
     limits = Limits(tolerance, time_limit, max_iterations)
-    name = solver if isinstance(solver, str) else ""
-    plain = name in ("auto", "native") and form == "auto" and not settings and max_iterations is None
+    chosen = chosen_solver(solver)
+    plain = chosen.is_native and form == "auto" and not settings and max_iterations is None
     force = None if initial_force is None else array("initial_force", initial_force, "N", ndim=1, size=problem.size)
     active = None if force is None else force > 0.0
     if initial_active is not None:
@@ -174,7 +180,7 @@ def solve(
         if solution is not None and solution.certificate.passes(limits.exact_tolerance):
             return solution if tolerance is None else replace(solution, tolerance=limits.exact_tolerance)
     request = _Request(problem, limits, polish, active, force, form, settings, start)
-    return replace(_solved(request, solver), run_time=perf_counter() - start)
+    return replace(_solved(request, chosen), run_time=perf_counter() - start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,9 +228,8 @@ def compiled_solution(
     )
 
 
-def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
-    declared = declared_solver(solver)
-    problem, name = request.problem, require_solver(declared or solver)
+def _solved(request: _Request, solver: ChosenSolver) -> ContactSolution:
+    problem, name = request.problem, solver.name
     if not problem.is_positive_semidefinite:
         message = f"{name}, not begun: the compliance has a negative eigenvalue, some forces would release energy"
         return no_solution(problem.size, Status.NOT_POSITIVE_SEMIDEFINITE, name, message=message)
@@ -239,7 +244,7 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
     if not scaled.is_finite:
         message = f"{name}, not begun: the numbers overflow when scaled"
         return no_solution(problem.size, Status.INVALID_DATA, name, message=message)
-    if name == "native":
+    if solver.is_native:
         chosen_form(name, scaled, request.form)
         try:
             begin = perf_counter()
@@ -249,21 +254,21 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
             message = f"native: it failed; {type(error).__name__}: {error}"
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message)
-    solution = _solve_backend(request, name, declared)
+    solution = _solve_backend(request, solver)
     limited = request.limits.time_limit is not None or request.limits.max_iterations is not None
     ended = limited and solution.status in (Status.TIME_LIMIT, Status.NOT_CONVERGED)
     missed = scaled.has_matrix and not solution.certified
     if missed and not ended and is_unbounded(problem):
         return replace(solution, status=Status.UNBOUNDED, message=f"{solution.message}; {NO_MINIMUM}")
-    if missed and (declared or SOLVERS[name]).definite and not _is_definite(scaled.compliance):
+    if missed and solver.facts.definite and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
         return replace(solution, message=f"{solution.message}; {reason}")
     return solution
 
 
-def _solve_backend(request: _Request, name: str, declared: Solver | None) -> ContactSolution:
-    limits, settings, start = request.limits, request.settings, {}
-    if request.force is not None and (declared or SOLVERS[name]).warm_start:
+def _solve_backend(request: _Request, solver: ChosenSolver) -> ContactSolution:
+    limits, settings, start, name, declared = request.limits, request.settings, {}, solver.name, solver.own
+    if request.force is not None and solver.facts.warm_start:
         start["initvals"] = start_force(request.force, request.problem) / request.problem.scaling.force
     adapter: Adapter | Solver
     if declared is None:
