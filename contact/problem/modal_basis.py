@@ -463,11 +463,6 @@ def block_labels(factor: Array) -> BlockLabels:
     return BlockLabels(row, column, rows[:count], bool(full))
 
 
-def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Rows and columns of the groups of `block_labels`."""
-    return block_labels(factor).blocks
-
-
 def compressed_blocks(factor: Array, labels: BlockLabels) -> list[tuple[NDArray[np.intp], Array]]:
     """Rows (m) and U (m, r) [(mm/N)^0.5] of each block of a factor V (n, k), with U U^T = V V^T up to rounding."""
     size, width = factor.shape

@@ -23,7 +23,7 @@ from . import native
 from .backend import FORMS, chosen_form
 from .backend_solution import ASSUMED, DEFAULT_POLISH, Adapter, adapter_of, backend_solution
 from .compiled.compiled_answer import dense_answer, is_small, linear_answer
-from .solution import SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
+from .solution import CallTimes, ContactSolution, Status, course, judged, no_solution
 from .solver_declaration import ChosenSolver, Solver, SolverChoice, declared_solver, entry_point_names
 from .solver_limits import Limits, StepBudget, backend_keywords
 from .solver_table import SOLVERS
@@ -213,17 +213,14 @@ def compiled_solution(
     certificate = outcome.answer.certificate
     if not (certificate.worst <= ROUNDING_LEVEL and certificate.passes()):
         return None
-    return ContactSolution(
-        outcome.answer,
-        Status.CERTIFIED,
+    return judged(
         "native",
-        outcome.iterations,
-        SOLVED,
-        method,
-        perf_counter() - start,
-        False,
-        EXACT_TOLERANCE,
-        f"native, {native.METHODS[method][0]}, {outcome.iterations} steps: certified",
+        outcome.answer,
+        tolerance=EXACT_TOLERANCE,
+        iterations=outcome.iterations,
+        method=method,
+        run_time=perf_counter() - start,
+        message=f"native, {native.METHODS[method][0]}, {outcome.iterations} steps: certified",
         times=CallTimes(outcome.setup_time + outcome.solve_time, outcome.setup_time, outcome.solve_time, "solver"),
     )
 
