@@ -36,7 +36,7 @@ from ...core.errors import InputError
 from ...core.kernels import kernel
 
 _kernel = kernel(".mode_kernel", __package__)
-label_blocks, compress, arrange = _kernel.label_blocks, _kernel.compress, _kernel.arrange
+label_blocks, arrange = _kernel.label_blocks, _kernel.arrange
 
 Whole = NDArray[np.int64]
 
@@ -181,8 +181,6 @@ def few_directions(rows: Array) -> tuple[Array, Array]:
 
 #: Largest contribution of a dropped mode to a block of V V^T, relative to its greatest entry (or eigenvalue).
 DROP_TOLERANCE = 1e-15
-#: Modes of a block up to which they are sought one by one; of more, all products of its rows cost less.
-MOST_MODES = 32
 #: Directions of a rigid motion: more shared columns than these are tried for fewer directions.
 RIGID_DIRECTIONS = 6
 
@@ -351,7 +349,7 @@ class BendingFactor:
     @cached_property
     def is_shared(self) -> NDArray[np.bool_]:
         """Which columns couple blocks (k)."""
-        if self.labels.full:
+        if self.labels.has_full_rows:
             return np.zeros(self.factor.shape[1], dtype=np.bool_)
         return shared_columns(self.factor, self.labels.blocks)
 
@@ -363,7 +361,7 @@ class BendingFactor:
     @cached_property
     def compressed(self) -> list[tuple[NDArray[np.intp], Array]]:
         """Rows (m) and U (m, r) [(mm/N)^0.5] of each block, where no columns couple them."""
-        return compressed_blocks(self.factor, self.labels)
+        return [(rows, compressed_block(part_of(self.factor, rows, columns))) for rows, columns in self.labels.blocks]
 
     @cached_property
     def basis(self) -> ModalBasis:
@@ -447,7 +445,7 @@ class BlockLabels(NamedTuple):
     row: Whole  # number of the group of each row (n), in the order of their first rows
     column: Whole  # of each column (k); -1 of a column of zeros
     rows: Whole  # number of rows of each group
-    full: bool  # no entry of a group is zero
+    has_full_rows: bool  # each group has a row without zeros, so that no column couples others
 
     @property
     def blocks(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
@@ -458,31 +456,10 @@ class BlockLabels(NamedTuple):
 def block_labels(factor: Array) -> BlockLabels:
     """Groups of rows and columns of V (n, k) that share no entry but zero."""
     row, column = (np.empty(count, dtype=np.int64) for count in factor.shape)
-    rows, room = np.empty_like(row), np.empty((2, column.size), dtype=np.int64)
-    count, full = label_blocks(np.ascontiguousarray(factor), row, column, rows, *room)
-    return BlockLabels(row, column, rows[:count], bool(full))
-
-
-def compressed_blocks(factor: Array, labels: BlockLabels) -> list[tuple[NDArray[np.intp], Array]]:
-    """Rows (m) and U (m, r) [(mm/N)^0.5] of each block of a factor V (n, k), with U U^T = V V^T up to rounding."""
-    size, width = factor.shape
-    given, index, chosen = np.ascontiguousarray(factor), np.empty(size, dtype=np.int64), np.empty(width, dtype=np.int64)
-    room, few = np.empty(size * (width + 4)), np.empty(MOST_MODES * size)
-    found: list[tuple[NDArray[np.intp], Array]] = []
-    rows: NDArray[np.intp]
-    for number in range(labels.rows.size):
-        count, rank = compress(
-            given, labels.row, labels.column, number, MOST_MODES, DROP_TOLERANCE, index, chosen, room, few
-        )
-        if rank > MOST_MODES:
-            rows, columns = labels.blocks[number]
-            found.append((rows, compressed_block(part_of(factor, rows, columns))))
-        else:
-            rows, modes = index[:count].copy(), few[: rank * count].copy().reshape(rank, count)
-            for one in (rows, modes):
-                one.setflags(write=False)  # else they would be copied
-            found.append((rows, modes.T))
-    return found
+    rows, filled = np.empty((2, row.size), dtype=np.int64)
+    room = np.empty((2, column.size), dtype=np.int64)
+    count, has_full_rows = label_blocks(np.ascontiguousarray(factor), row, column, rows, filled, *room)
+    return BlockLabels(row, column, rows[:count], bool(has_full_rows))
 
 
 def compressed_block(block: Array) -> Array:

@@ -1,21 +1,13 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
 # cython: annotation_typing=False, infer_types=True
-"""Blocks of a factor V, each in as few modes as it has, and modes in the order in which they are read.
+"""Blocks of a factor V, and modes in the order in which they are read.
 
 Compiled; run as it stands here it gives the same bits.
 """
 
 from __future__ import annotations
 
-import math
 from typing import Any
-
-import cython
-
-if not cython.compiled:
-    from numpy import sqrt
-
-INFINITY = math.inf
 
 
 def _root(parent: Any, column: int) -> int:
@@ -25,7 +17,9 @@ def _root(parent: Any, column: int) -> int:
     return column
 
 
-def label_blocks(factor: Any, row: Any, column: Any, rows: Any, parent: Any, number: Any) -> tuple[int, bool]:
+def label_blocks(
+    factor: Any, row: Any, column: Any, rows: Any, filled: Any, parent: Any, number: Any
+) -> tuple[int, bool]:
     """Number groups of rows and columns that share no entry but zero, in the order of their first rows.
 
     Parameters
@@ -37,28 +31,29 @@ def label_blocks(factor: Any, row: Any, column: Any, rows: Any, parent: Any, num
         block together.
     rows
         For the number of rows of each block (n).
-    parent, number
-        Room (k).
+    filled, parent, number
+        Room (n), (k), (k).
 
     Returns
     -------
     tuple
-        Number of blocks, and whether no entry in a block is zero.
+        Number of blocks, and whether each has a row without zeros.
     """
-    size, width, entries, area, blocks, zeros = factor.shape[0], factor.shape[1], 0, 0, 0, -1
+    size, width, blocks, zeros, left = factor.shape[0], factor.shape[1], 0, -1, 0
     for c in range(width):
         parent[c], number[c] = c, -1
     for i in range(size):
-        first, rows[i] = -1, 0
+        first, entries = -1, 0
         for c in range(width):
             if factor[i, c] != 0.0:
                 entries += 1
-                other = _root(parent, c)
-                if first < 0:
-                    first = other
-                elif other != first:
-                    parent[other] = first
-        row[i] = first
+                if parent[c] != first:
+                    other = _root(parent, c)
+                    if first < 0:
+                        first = other
+                    elif other != first:
+                        parent[other] = first
+        row[i], rows[i], filled[i] = first, 0, entries
     for i in range(size):
         if row[i] < 0:
             if zeros < 0:
@@ -72,119 +67,15 @@ def label_blocks(factor: Any, row: Any, column: Any, rows: Any, parent: Any, num
         rows[row[i]] += 1
     for c in range(width):
         column[c] = number[_root(parent, c)]
-        if column[c] >= 0:
-            area += rows[column[c]]
-    return blocks, entries == area
-
-
-def _pivoted(block: Any, size: int, width: int, most: int, tolerance: float, left: Any, modes: Any) -> int:
-    """Modes (r, m) of the rows of a block (m, w), contiguous: Cholesky's factor of their products, with pivots.
-
-    No more columns of these products are formed than there are modes; ``left`` (m) is for what is left of their
-    diagonal. Returns the number of modes, or one more than ``most``.
-    """
-    largest = 0.0
-    for i in range(size):
-        left[i] = _dot(block, i * width, i * width, width)
-        largest = max(largest, left[i])
-    least = tolerance * largest
-    for rank in range(most + 1):
-        largest, pivot = least, -1
+    for q in range(blocks):
+        across, most = 0, 0
+        for c in range(width):
+            across += column[c] == q
         for i in range(size):
-            if left[i] > largest:
-                largest, pivot = left[i], i
-        if pivot < 0:
-            return rank
-        if rank == most:
-            break
-        at = rank * size
-        _rows(block, size, width, pivot * width, modes, at)
-        for t in range(rank):
-            factor = modes[t * size + pivot]
-            for i in range(size):
-                modes[at + i] -= factor * modes[t * size + i]
-        root = sqrt(largest)
-        for i in range(size):
-            if left[i] > -INFINITY:
-                modes[at + i] /= root
-                left[i] -= modes[at + i] * modes[at + i]
-            else:  # a pivot before
-                modes[at + i] = 0.0
-        modes[at + pivot], left[pivot] = root, -INFINITY
-    return most + 1
-
-
-def _dot(block: Any, first: int, second: int, length: int) -> float:
-    """Sum of products, in four parts; the length is a multiple of four."""
-    s = [0.0] * 4
-    for k in range(4):
-        s[k] = 0.0
-    for x in range(0, length, 4):
-        for lane in range(4):
-            s[lane] += block[first + x + lane] * block[second + x + lane]
-    return (s[0] + s[1]) + (s[2] + s[3])
-
-
-def _rows(block: Any, size: int, width: int, other: int, result: Any, out: int) -> None:
-    """Product of every row of a block with one of them."""
-    s = [0.0] * 16
-    whole = size - size % 4
-    for i in range(0, whole, 4):
-        at = i * width
-        for k in range(16):
-            s[k] = 0.0
-        for x in range(0, width, 4):
-            for k in range(4):
-                for lane in range(4):
-                    s[4 * k + lane] += block[at + k * width + x + lane] * block[other + x + lane]
-        for k in range(4):
-            result[out + i + k] = (s[4 * k] + s[4 * k + 1]) + (s[4 * k + 2] + s[4 * k + 3])
-    for i in range(whole, size):
-        result[out + i] = _dot(block, i * width, other, width)
-
-
-def compress(
-    factor: Any, row: Any, column: Any, q: int, most: int, tolerance: float, index: Any, chosen: Any, room: Any,
-    modes: Any,
-) -> tuple[int, int]:  # fmt: skip
-    """Compress one block of a factor.
-
-    Parameters
-    ----------
-    factor
-        V (n, k).
-    row, column, q
-        As `label_blocks` has them, and the number of the block.
-    most
-        Most modes of a block.
-    tolerance
-        Largest part of the diagonal of V V' that is left out, relative to its greatest entry.
-    index
-        For the rows of the block (n), the first of them.
-    chosen, room
-        Room (k), and (n (k + 4)).
-    modes
-        For the modes (r, m), the first of (32 n).
-
-    Returns
-    -------
-    tuple
-        Number of rows and of modes: one more than ``most`` where these do not suffice.
-    """
-    size, count, across = factor.shape[0], 0, 0
-    for i in range(size):
-        if row[i] == q:
-            index[count], count = i, count + 1
-    for c in range(factor.shape[1]):
-        if column[c] == q:
-            chosen[across], across = c, across + 1
-    padded = 4 * ((across + 3) // 4)
-    for i in range(count):
-        for c in range(across):
-            room[size + i * padded + c] = factor[index[i], chosen[c]]
-        for c in range(across, padded):
-            room[size + i * padded + c] = 0.0
-    return count, _pivoted(room[size:], count, padded, most, tolerance, room, modes)
+            if row[i] == q:
+                most = max(most, filled[i])
+        left += most < across
+    return blocks, left == 0
 
 
 def arrange(

@@ -32,6 +32,7 @@ from .solver_table import SOLVERS
 ROUNDING_LEVEL = 1e-10
 #: Moment of forces to start from, over the greatest force on the longest lever arm, below which it is not scaled.
 SMALLEST_MOMENT = 1e-3
+_NATIVE = {asked: ChosenSolver("native", None, asked) for asked in ("auto", "native")}
 #: Why a problem is unbounded, in words.
 NO_MINIMUM = "segments without compliance penetrate at every rotation, no force can part them"
 
@@ -74,11 +75,12 @@ def chosen_solver(solver: SolverChoice) -> ChosenSolver:
     """Find what a user's choice stands for, where it enters; what was found is returned as it is. Raises as above."""
     if isinstance(solver, ChosenSolver):
         return solver
+    if isinstance(solver, str) and solver in _NATIVE:
+        return _NATIVE[solver]
     declared = declared_solver(solver)
     if declared is not None:
         return ChosenSolver(declared.name, declared, solver if isinstance(solver, str) else declared.name)
-    asked = str(solver)
-    name = "native" if asked == "auto" else asked
+    name = str(solver)
     if name not in SOLVERS:
         known = [*SOLVERS, *entry_point_names()]
         close = difflib.get_close_matches(name, known, n=1)
@@ -86,7 +88,7 @@ def chosen_solver(solver: SolverChoice) -> ChosenSolver:
         raise InputError(f"solver = {shown(name)}: must be one of auto, {', '.join(known)}, or MODULE:FUNCTION{hint}")
     if not _is_installed(name):
         raise MissingSolverError(f"solver {name!r} is not installed: {how_to_install(SOLVERS[name].requirement)}")
-    return ChosenSolver(name, None, asked)
+    return ChosenSolver(name, None, name)
 
 
 def solve(

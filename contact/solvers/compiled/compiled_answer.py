@@ -85,7 +85,7 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
 def is_small(matrix: ComplianceMatrix, size: int) -> bool:
     """True if the active set of a dense matrix is the fastest method: of one that was given, or formed of few rows."""
     if isinstance(matrix, ModalCompliance):
-        return size <= min(LARGEST_FORMED, matrix.factor.shape[1]) and not isinstance(matrix.modes, ModalBasis)
+        return not isinstance(matrix.modes, ModalBasis) and size <= min(LARGEST_FORMED, matrix.factor.shape[1])
     return isinstance(matrix, DenseCompliance) and size <= LARGEST_DENSE
 
 

@@ -26,7 +26,7 @@ from easeoff.contact.lines import tensor_spline
 from easeoff.contact.lines.tensor_spline import TensorSpline
 from easeoff.contact.problem import modal_basis as modal_basis_module, mode_kernel
 from easeoff.contact.problem.compliance_matrix import ModalCompliance, compliance_matrix
-from easeoff.contact.problem.modal_basis import ModalBasis, block_labels, compressed_blocks, modal_basis, mode_columns
+from easeoff.contact.problem.modal_basis import ModalBasis, block_labels, modal_basis, mode_columns
 from easeoff.contact.solvers.compiled import compiled_answer, dense_kernel, newton_kernel
 from easeoff.contact.solvers.compiled.compiled_answer import (
     LARGEST_DENSE,
@@ -350,29 +350,24 @@ def test_dense_problems_have_the_bits_of_the_source(name: str, count: int) -> No
 
 @pytest.mark.parametrize("size", [1, 9, 33])
 def test_blocks_and_modes_have_the_bits_of_the_source(size: int) -> None:
-    """With rows and columns of zeros, more modes than are sought, and shared columns."""
+    """With rows and columns of zeros, and shared columns."""
     source, rng = kernels.in_python("easeoff.contact.problem.mode_kernel"), np.random.default_rng(size)
     smooth = rng.standard_normal((size, 3)) @ rng.standard_normal((3, 7))
     factor = np.zeros((2 * size + 2, 15))
     factor[:size, 1:8], factor[size : 2 * size, 8:14] = smooth, rng.standard_normal((size, 6))
-    names, shared = ("label_blocks", "compress", "arrange"), rng.standard_normal((2 * size + 2, 2))
+    shared = rng.standard_normal((2 * size + 2, 2))
     found = []
     for kernel_functions in (mode_kernel, source):
         with pytest.MonkeyPatch.context() as patch:
-            for name in names:
+            for name in ("label_blocks", "arrange"):
                 patch.setattr(modal_basis_module, name, getattr(kernel_functions, name))
             labels = block_labels(factor)
-            compressed = compressed_blocks(factor, labels)
+            compressed = [(rows, factor[rows][:, columns]) for rows, columns in labels.blocks]
             columns = mode_columns(2 * size + 2, compressed, shared, np.ones((3, 2, 2)), shared)
-            found.append([*labels, *columns, *(part for block in compressed for part in block)])
-    assert [block.shape[1] for _, block in compressed] == [min(size, 3), min(size, 6), 0]
+            found.append([*labels, *columns])
+    assert [block.shape for _, block in compressed] == [(size, 7), (size, 6), (2, 0)]
     for mine, other in zip(*found, strict=True):
         np.testing.assert_array_equal(mine, other)
-    few = np.empty(size * 32)
-    room = np.zeros(factor.shape[0]), np.zeros(15), np.empty(factor.shape[0] * 19)
-    index, chosen = (one.astype(np.int64) for one in room[:2])
-    given = factor, labels.row, labels.column, 1, min(size, 6) - 1, 1e-15, index, chosen, room[2], few
-    assert mode_kernel.compress(*given) == source.compress(*given) == (size, min(size, 6))
 
 
 NO_LAW, NO_MASK = np.empty((0, 14)), np.empty((0, 0), dtype=np.uint8)
@@ -481,7 +476,7 @@ def test_no_modes_are_sought_where_there_are_as_many_as_segments(size: int, monk
     factor = 1e-3 * np.polynomial.legendre.legvander(along, 5) @ rng.uniform(-1.0, 1.0, (6, size))
     given = ContactProblem(0.02 * along**2, np.full(size, 40.0), 8e4, (np.full(size, 2e-6), factor))
     with monkeypatch.context() as patch:
-        patch.setattr("easeoff.contact.problem.modal_basis.compressed_blocks", _refused)
+        patch.setattr("easeoff.contact.problem.modal_basis.compressed_block", _refused)
         solution = solve(given)
     assert (solution.certified, solution.method) == (True, "primal_dual_active_set")
     columns = 1e-3 * rng.uniform(-1.0, 1.0, (2, size // 2, size))
