@@ -19,22 +19,25 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+import qpsolvers
 from easeoff.contact.problem.modal_basis import modal_basis
-from easeoff.contact import ContactProblem
+from easeoff.contact import ContactProblem, OperatorCompliance
 from easeoff.contact import available_solvers, solve, solve_many
-from easeoff.contact.solvers.compiled.compiled_answer import scaled_answer
+from easeoff.contact.solvers.compiled.compiled_answer import LARGEST_DENSE, dense_answer, scaled_answer
 from easeoff.contact.solvers.primal_dual_active_set import primal_dual_active_set
 from numpy.polynomial.legendre import legvander
 from scipy.linalg.lapack import dpotrf
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import aslinearoperator
 from tabulate import tabulate
 
-SIZES = (60, 150, 400, 1000, 2000, 5000, 10000)
+SIZES = (20, 60, 150, 400, 1000, 2000, 5000, 10000)
 POSITIONS = 16  # mesh positions, 1/16 of a pitch apart
 PAIRS = 3
 LENGTHWISE_MODES, PROFILE_MODES = 8, 5  # of each member
 LOCAL = 3e-6  # compliance of a segment by itself [mm/N], order of magnitude
 SECONDS = 0.4  # spent at most on a row, but one solve is always made
-LARGEST = {"Cholesky": 5000, "dense active set": 2000}  # beyond, a row would take minutes
+LARGEST = {"Cholesky": 5000, "dense active set": 2000, "matrix": 2000}  # beyond, a row would take minutes
 PATIENCE = 3.0  # a backend that takes longer is left out at larger sizes [s]
 
 
@@ -117,6 +120,7 @@ class Rows:
         self._doors()
         self._others()
         whole = [whole_problem(size, k / 16.0, refined=refined) for k in range(POSITIONS)]
+        self._whole_calls(whole[0])
         self.seconds["compression of the factor"] = median_seconds(
             [partial(modal_basis, c.compliance[1]) for c in whole]
         )
@@ -160,6 +164,38 @@ class Rows:
         torques = np.array([case.torque for case in self.cases])
         seconds = median_seconds([lambda: solve_many(one, separation=gaps, torque=torques)])
         self.seconds["solve_many of arrays, each"] = seconds / POSITIONS
+
+    def _whole_calls(self, given: ContactProblem) -> None:
+        """From the user's arrays to the answer, in every form of the compliance."""
+        local, factor = (np.array(part) for part in given.compliance)
+        forms: dict[str, Any] = {
+            "modes known": (local, modal_basis(factor)),
+            "V as array": (local, factor),
+            "V sparse": (local, csr_array(factor)),
+            "V as operator": (local, aslinearoperator(factor)),
+        }
+        if self.size <= LARGEST["matrix"]:
+            matrix = np.array(given.dense_compliance)
+            operator = OperatorCompliance(aslinearoperator(matrix), matrix.diagonal())
+            forms |= {"C as array": matrix, "C sparse": csr_array(matrix), "C as operator": operator}
+        parts = given.separation, given.lever_arm, given.torque
+        for form, compliance in forms.items():
+            work = partial(lambda compliance: solve(ContactProblem(*parts, compliance)), compliance)
+            self.seconds[f"whole call, {form}"] = median_seconds([work])
+        if self.size > LARGEST["matrix"]:
+            return
+        dense = ContactProblem(*parts, matrix)
+        scaled, start = dense.scaled(), dense.scaling.estimated_active
+        compiled = self.size <= LARGEST_DENSE
+        bare = partial(dense_answer, dense) if compiled else partial(primal_dual_active_set, scaled, start)
+        self.seconds["bare, C as array"] = median_seconds([bare])
+        for name in ("daqp", "piqp"):
+            if name in self.given_up or name not in available_solvers():
+                continue
+            work = partial(lambda name: solve(ContactProblem(*parts, matrix), name), name)
+            self.seconds[f"whole call, C as array, {name}"] = median_seconds([work])
+            programme, named = dense.as_qp(), partial(qpsolvers.solve_problem, solver=name)
+            self.seconds[f"bare, C as array, {name}"] = median_seconds([partial(named, programme)])
 
     def _others(self) -> None:
         for name in available_solvers():

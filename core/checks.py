@@ -188,7 +188,7 @@ def array(
         wanted += f", {' '.join(filter(None, (count, form)))}" if count or form else ""
         raise InputError(f"{name} = {shown(values)}: must be {wanted}{_why_no_numbers(values)}")
     valid = bounds.hold(numbers)
-    if not (anything or valid.all()):
+    if not (anything or np.count_nonzero(valid) == valid.size):
         raise InputError(f"{name} = {shown(numbers[~valid].flat[0])}: must be a {bounds.in_words('number', unit)}")
     return read_only(numbers) if frozen else numbers
 
@@ -235,6 +235,8 @@ def _restored(record: Any, state: dict[str, Any]) -> None:
 
 def frozen(value: Any) -> Any:
     """Return an array, or tuple, list or dict of some, that cannot be written to: the value itself where it is that."""
+    if isinstance(value, float | int | str):
+        return value
     if isinstance(value, np.ndarray):
         within: Any = value
         while isinstance(within, np.ndarray) and not within.flags.writeable:

@@ -215,12 +215,12 @@ def analyze_load_cases(
     >>> tree["load_cases/max_pressure"].dims, tree["results/climb/loaded"].sizes["torque"]
     (('load_case',), 1)
     """
-    require_solver_options(options, solver, analyze_load_cases)
+    chosen = require_solver_options(options, solver, analyze_load_cases)
     case = checked_case(case)
     one_of("flank", flank, FLANKS)
     flanks = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
     conditions = FrictionConditions(None, temperature, roughness, oil, friction_model, friction_feedback)
-    operating = Operating(flanks, None, edge_contact, marking, solver, conditions)
+    operating = Operating(flanks, None, edge_contact, marking, chosen, conditions)
     rows, given = _named(case, load_cases), flanks.errors(case)
     exponents = checked_exponents(damage_exponents)
     AnalysisSize.of(case, 1).require_memory()
@@ -237,7 +237,7 @@ def analyze_load_cases(
             state = meshes.at(run.flank, run.misalignment if has_own_misalignment(run.row) else given)
             torques = [run.row.torque]
             analysis = contact_analysis(state, torques, **operating.contact, progress=told(progress), **options)
-            run.tree = with_friction(analysis, run.friction, solver, told(progress)).tree
+            run.tree = with_friction(analysis, run.friction, chosen, told(progress)).tree
         except EaseoffError as error:
             run.reason = " ".join(str(error).split())
             failures.append(error)

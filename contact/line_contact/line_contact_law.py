@@ -7,16 +7,18 @@ of the force: Newton's method on it comes from below after the first step, and n
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from ...core.arrays import RealArray as Array
 from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.certificate import EXACT_TOLERANCE
 from ..problem.contact_problem import ContactProblem
-from ..solvers import ContactSolution, SolverChoice, require_solver
+from ..solvers import ContactSolution, SolverChoice
 from ..solvers.compiled.compiled_answer import CompiledAnswer, line_contact_answers
+from ..solvers.registry import chosen_solver
 from ..solvers.solution import judged
+from ..solvers.solver_declaration import ChosenSolver
 from .line_contact_solution import solve_on_bending
 
 _Found = tuple[ContactSolution, ContactProblem]
@@ -30,9 +32,10 @@ def solve_at_torques(
     **options: Any,
 ) -> Iterator[list[_Found]]:
     """Solutions at rising torques (t) [N mm], each from the one before; the torque of the problems is of no account."""
+    solver = chosen_solver(solver)
     at_torques = [[one.with_torque(torque) for one in bendings] for torque in torques.tolist()]
     known: list[list[_Found | None]] | None = None
-    if _takes_all(solver, options):
+    if solver.is_native and not options:
         by_problem = zip(*at_torques, strict=True)
         known = [_compiled_answers(series, contact) for series, contact in zip(by_problem, contacts, strict=True)]
     starts: list[Array | None] = [None] * len(bendings)
@@ -59,14 +62,10 @@ def solve_line_contacts(
     ``bendings`` have bending compliance alone and a positive torque; ``starts`` are forces (n) [N].
     """
     known: Sequence[_Found | None] = [None] * len(bendings)
-    if _takes_all(solver, options) and len(bendings) > 0:
+    solver = chosen_solver(solver)
+    if solver.is_native and not options and len(bendings) > 0:
         known = [_compiled_answers([one], contact)[0] for one, contact in zip(bendings, contacts, strict=True)]
     yield from _completed(bendings, contacts, starts, known, solver, **options)
-
-
-def _takes_all(solver: SolverChoice, options: Mapping[str, Any]) -> bool:
-    """True if a solver takes many problems at once."""
-    return require_solver(solver) == "native" and not options
 
 
 def _completed(
@@ -74,7 +73,7 @@ def _completed(
     contacts: Sequence[WeberLineContact],
     starts: Sequence[Array | None],
     known: Sequence[_Found | None],
-    solver: SolverChoice,
+    solver: ChosenSolver,
     **options: Any,
 ) -> Iterator[_Found]:
     """Answers that are known, and those of the other problems, solved one by one."""

@@ -28,10 +28,11 @@ from ...core.errors import InputError
 from ..problem.certificate import EXACT_TOLERANCE, vector_of, with_certificate
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import Scaling
-from ..solvers import ContactSolution, SolverChoice, Status, require_solver, solve
+from ..solvers import ContactSolution, SolverChoice, Status, solve
 from ..solvers.native import answers
-from ..solvers.registry import start_force
+from ..solvers.registry import chosen_solver, start_force
 from ..solvers.solution import judged, no_solution
+from ..solvers.solver_declaration import ChosenSolver
 from ..solvers.solver_limits import Limits, StepBudget
 
 #: Linear problems solved before giving up; four to six are usual.
@@ -91,7 +92,7 @@ class NativeStep:
 class BackendStep:
     """Solves the subproblems with a backend, each one certified."""
 
-    def __init__(self, bending: ContactProblem, solver: SolverChoice, polish: bool, settings: dict[str, Any]) -> None:
+    def __init__(self, bending: ContactProblem, solver: ChosenSolver, polish: bool, settings: dict[str, Any]) -> None:
         self._bending, self._solver, self._polish, self._settings = bending, solver, polish, settings
         self.tolerance = EXACT_TOLERANCE
         self.polished = polish
@@ -232,7 +233,8 @@ def solve_on_bending(
     **settings: Any,
 ) -> tuple[ContactSolution, ContactProblem]:
     """As `solve_line_contact`, for a contact problem whose compliance is that of bending alone."""
-    name = require_solver(solver)
+    solver = chosen_solver(solver)
+    name = solver.name
     uniform = np.full(bending.size, bending.torque / float(np.maximum(bending.lever_arm, 0.0).sum()))
     start = _warm_start(initial_force, bending)
     warm = start is not None
@@ -245,7 +247,7 @@ def solve_on_bending(
     if idle or not linear.is_positive_semidefinite:
         return solve(linear, solver, polish=polish, **settings), linear
 
-    step = NativeStep(linear, bending, settings) if name == "native" else BackendStep(bending, solver, polish, settings)
+    step = NativeStep(linear, bending, settings) if solver.is_native else BackendStep(bending, solver, polish, settings)
     iteration = NewtonIteration(bending, linear.scaling, line_contact, step)
     status = iteration.run(start if warm else None, linear)
     if status is not None:

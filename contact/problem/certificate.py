@@ -249,8 +249,8 @@ class Certificate:
     def worst(self) -> float:
         """The largest of all violations; infinite if one of them is not a number."""
         entries = self.violations
-        # The built-in maximum may or may not notice a NaN, depending on where it stands.
-        return math.inf if any(map(math.isnan, entries)) else max(entries)
+        # The built-in maximum may or may not notice a NaN, depending on where it stands; a sum always does.
+        return math.inf if math.isnan(sum(entries)) else max(entries)
 
     @property
     def digits(self) -> float:

@@ -358,13 +358,13 @@ class ModalCompliance:
     def has_few_modes(self) -> bool:
         """True if modes are fewer than segments, in blocks of half of them, or compressed; else C is smaller."""
         modes, (size, columns) = self.modes, self.factor.shape
-        return isinstance(modes, ModalBasis) or columns < size or 2 * max(rows.size for rows, _ in modes.blocks) <= size
+        return isinstance(modes, ModalBasis) or columns < size or 2 * modes.longest_block <= size
 
     @cached_property
     def dense(self) -> Array:
         """C as an (n, n) array [mm/N]."""
         dense = self.factor @ self.factor.T
-        dense[np.diag_indices_from(dense)] += self.local
+        dense.ravel()[:: dense.shape[0] + 1] += self.local  # the diagonal, at once
         return read_only(dense)
 
     @cached_property

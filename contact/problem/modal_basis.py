@@ -33,6 +33,10 @@ from numpy.typing import NDArray
 from ...core.arrays import RealArray as Array
 from ...core.checks import frozen_arrays, instance, read_only, whole
 from ...core.errors import InputError
+from ...core.kernels import kernel
+
+_kernel = kernel(".mode_kernel", __package__)
+label_blocks, arrange = _kernel.label_blocks, _kernel.arrange
 
 Whole = NDArray[np.int64]
 
@@ -58,46 +62,47 @@ class ModeColumns(NamedTuple):
 
 
 def mode_columns(
-    size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]], border: SharedModes, shared_factor: Array
+    size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]], columns: Array, mixing: Array, shared_factor: Array
 ) -> ModeColumns:
     """Arrange modes of n segments: blocks of segments (m) and modes (m, k) [(mm/N)^0.5], and shared modes.
 
     Shared are columns (n, j), mixing (q, j, s) and factor W (n, s), the columns themselves under a mixing of ones.
     """
-    shared_columns, mixing = border.columns, border.mixing
-    sums = np.zeros((4 if mixing.shape[2] else 2, size))
-    for index, modes in blocks:
-        sums[0, index] = np.einsum("ij,ij->i", modes, modes)
-        sums[1, index] = modes @ modes.sum(axis=0)
-    shortest = min(index.size for index, _ in blocks)
+    segments = [np.asarray(index, dtype=np.int64) for index, _ in blocks]
+    modes = [modes for _, modes in blocks]
+    shortest = min(index.size for index in segments)
     levels = 1
     while levels < MAX_LEVELS and shortest // STRIDE**levels >= FEWEST_SEGMENTS:
         levels += 1
-    places, table = np.zeros(levels, dtype=np.int64), np.zeros((levels, len(blocks), 4), dtype=np.int64)
-    order: list[NDArray[np.intp]] = []
-    columns: list[Array] = []
+    # Of a block every so many segments, from the half of that on.
+    taken = [(STRIDE**level // 2, STRIDE**level) for level in range(levels)]
+    counts = [[len(range(begin, index.size, step)) for index in segments] for begin, step in taken]
+    widths = [one.shape[1] + columns.shape[1] for one in modes]
+    entries = sum(count * width for row in counts for count, width in zip(row, widths, strict=True))
+    order, arranged = np.empty(sum(map(sum, counts)), dtype=np.int64), np.empty(entries)
+    sums = np.zeros((4 if mixing.shape[2] else 2, size))
+    places, table = [], []
     place = entry = 0
-    for level in range(levels):
-        places[level], first = place, 0
-        chosen = slice(STRIDE**level // 2, None, STRIDE**level)
-        for number, (index, modes) in enumerate(blocks):
-            segments, part = index[chosen], modes[chosen]
-            table[level, number] = first, segments.size, entry, modes.shape[1]
-            order.append(segments)
-            columns.append(part.T.ravel())
-            first, entry = first + segments.size, entry + part.size
-            if shared_columns.shape[1]:
-                columns.append(shared_columns[segments].T.ravel())
-                entry += columns[-1].size
-        place += first
-    whole = np.concatenate(order).astype(np.int64)
+    for (begin, step), row in zip(taken, counts, strict=True):
+        places.append(place)
+        for index, one, count, width in zip(segments, modes, row, widths, strict=True):
+            arrange(index, one, columns, begin, step, count, place, entry, order, arranged)
+            table.append((place - places[-1], count, entry, one.shape[1]))
+            place, entry = place + count, entry + count * width
+    for index, one in zip(segments, modes, strict=True):
+        sums[0, index] = np.einsum("ij,ij->i", one, one)
+        sums[1, index] = one @ one.sum(axis=0)
     if mixing.shape[2]:
         sums[2:] = np.einsum("ij,ij->i", shared_factor, shared_factor)
-        if shared_factor is not shared_columns:
-            for (index, _), own_mixing in zip(blocks, np.abs(mixing), strict=True):
-                terms = np.abs(shared_columns[index]) @ own_mixing
+        if shared_factor is not columns:
+            for index, own_mixing in zip(segments, np.abs(mixing), strict=True):
+                terms = np.abs(columns[index]) @ own_mixing
                 sums[3, index] = np.einsum("ij,ij->i", terms, terms)
-    return ModeColumns(places, table, whole, np.concatenate(columns), sums, np.ascontiguousarray(mixing))
+    blocks_of_levels = np.array(table, dtype=np.int64).reshape(levels, len(modes), 4)
+    whole = ModeColumns(np.array(places), blocks_of_levels, order, arranged, sums, np.ascontiguousarray(mixing))
+    for part in whole:
+        part.setflags(write=False)  # else they would be copied
+    return whole
 
 
 #: Work with shared columns set apart, over that with all columns in one block, below which it is worth while.
@@ -316,7 +321,7 @@ class ModalBasis:
     @cached_property
     def columns(self) -> ModeColumns:
         """The modes as the compiled contact solution reads them."""
-        return mode_columns(self.size, self.blocks, self.border, self.shared_factor)
+        return mode_columns(self.size, self.blocks, self.border.columns, self.border.mixing, self.shared_factor)
 
     @property
     def basis(self) -> ModalBasis:
@@ -332,14 +337,21 @@ class BendingFactor:
     factor: Array
 
     @cached_property
-    def blocks(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-        """Rows and columns that share no entry with others, see ``factor_blocks``."""
-        return factor_blocks(self.factor)
+    def labels(self) -> BlockLabels:
+        """Which rows and columns share no entry with others."""
+        return block_labels(self.factor)
+
+    @property
+    def longest_block(self) -> int:
+        """Rows of the longest block."""
+        return int(self.labels.rows.max())
 
     @cached_property
     def is_shared(self) -> NDArray[np.bool_]:
         """Which columns couple blocks (k)."""
-        return shared_columns(self.factor, self.blocks)
+        if self.labels.has_full_rows:
+            return np.zeros(self.factor.shape[1], dtype=np.bool_)
+        return shared_columns(self.factor, self.labels.blocks)
 
     @cached_property
     def shared_factor(self) -> Array:
@@ -349,7 +361,7 @@ class BendingFactor:
     @cached_property
     def compressed(self) -> list[tuple[NDArray[np.intp], Array]]:
         """Rows (m) and U (m, r) [(mm/N)^0.5] of each block, where no columns couple them."""
-        return [(rows, compressed_block(part_of(self.factor, rows, columns))) for rows, columns in self.blocks]
+        return [(rows, compressed_block(part_of(self.factor, rows, columns))) for rows, columns in self.labels.blocks]
 
     @cached_property
     def basis(self) -> ModalBasis:
@@ -366,8 +378,7 @@ class BendingFactor:
         if self.is_shared.any():
             return self.basis.columns
         none = np.zeros((self.factor.shape[0], 0))
-        border = SharedModes(none, np.zeros((len(self.blocks), 0, 0)))
-        return mode_columns(none.shape[0], self.compressed, border, none)
+        return mode_columns(none.shape[0], self.compressed, none, np.zeros((self.labels.rows.size, 0, 0)), none)
 
 
 def _check_shared(shared: SharedModes, size: int, blocks: int) -> None:
@@ -428,29 +439,27 @@ def basis_of_blocks(
     return basis
 
 
-def factor_blocks(factor: Array) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
-    """Groups of rows and columns of V (n, k) that share no entry but zero; rows of zeros make one without columns."""
-    # Few patterns occur among many rows, mostly in runs: compare patterns, not rows. Sets of columns are whole numbers.
-    packed = np.packbits(factor != 0.0, axis=1)
-    ends = [*(np.flatnonzero((packed[1:] != packed[:-1]).any(axis=1)) + 1).tolist(), factor.shape[0]]
-    runs: dict[bytes, list[NDArray[np.intp]]] = {}
-    for begin, end in zip([0, *ends], ends, strict=False):
-        runs.setdefault(packed[begin].tobytes(), []).append(np.arange(begin, end))
-    groups: list[tuple[int, list[NDArray[np.intp]]]] = []
-    for pattern, members in runs.items():
-        columns, separate = int.from_bytes(pattern), []
-        for group in groups:
-            if group[0] & columns:
-                columns, members = columns | group[0], members + group[1]
-            else:
-                separate.append(group)
-        groups = [*separate, (columns, members)]
-    result = []
-    for columns, members in groups:
-        bits = np.frombuffer(columns.to_bytes(packed.shape[1]), dtype=np.uint8)
-        present = np.flatnonzero(np.unpackbits(bits, count=factor.shape[1]))
-        result.append((np.sort(np.concatenate(members)), present))
-    return sorted(result, key=lambda block: int(block[0][0]))
+class BlockLabels(NamedTuple):
+    """Groups of rows and columns of V (n, k) that share no entry but zero."""
+
+    row: Whole  # number of the group of each row (n), in the order of their first rows
+    column: Whole  # of each column (k); -1 of a column of zeros
+    rows: Whole  # number of rows of each group
+    has_full_rows: bool  # each group has a row without zeros, so that no column couples others
+
+    @property
+    def blocks(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+        """Rows and columns of each group; rows of zeros make one without columns."""
+        return [(np.flatnonzero(self.row == b), np.flatnonzero(self.column == b)) for b in range(self.rows.size)]
+
+
+def block_labels(factor: Array) -> BlockLabels:
+    """Groups of rows and columns of V (n, k) that share no entry but zero."""
+    row, column = (np.empty(count, dtype=np.int64) for count in factor.shape)
+    rows, filled = np.empty((2, row.size), dtype=np.int64)
+    room = np.empty((2, column.size), dtype=np.int64)
+    count, has_full_rows = label_blocks(np.ascontiguousarray(factor), row, column, rows, filled, *room)
+    return BlockLabels(row, column, rows[:count], bool(has_full_rows))
 
 
 def compressed_block(block: Array) -> Array:

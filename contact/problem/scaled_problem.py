@@ -191,9 +191,28 @@ CLIP_MARGIN = 2.0
 SAFE_ENERGY_RANGE = (1e-200, 1e200)
 
 
+class Units:
+    """Units of gaps and rotations that follow from those of force [N], compliance [mm/N] and lever arm [mm]."""
+
+    __slots__ = ()
+    force: float
+    compliance: float
+    lever_arm: float
+
+    @property
+    def gap(self) -> float:
+        """Unit of gaps and separations [mm]."""
+        return self.force * self.compliance
+
+    @property
+    def rotation(self) -> float:
+        """Unit of rotations [rad]."""
+        return self.gap / self.lever_arm
+
+
 @frozen_arrays
 @dataclass(frozen=True, eq=False, slots=True)
-class Scaling:
+class Scaling(Units):
     """Scales of force [N], compliance [mm/N] and lever arm [mm], powers of two, and findings on the way."""
 
     force: float
@@ -237,16 +256,6 @@ class Scaling:
             limit,
             separation > limit,
         )
-
-    @property
-    def gap(self) -> float:
-        """Scale of gaps [mm]."""
-        return self.force * self.compliance
-
-    @property
-    def rotation(self) -> float:
-        """Scale of rotations [rad]."""
-        return self.gap / self.lever_arm
 
     def scale(
         self, separation: Array, lever_arm: Array, torque: float, compliance: ComplianceMatrix, *, clip: bool = True

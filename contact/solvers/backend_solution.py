@@ -120,15 +120,18 @@ def backend_solution(
             iterations=int(given.iterations),
             method=method,
             polished=outcome.polished,
+            exchanges=outcome.exchanges,
+            times=times,
+            words=given.message,
         )
-        solution = replace(solution, exchanges=outcome.exchanges, times=times, words=given.message)
     except InputError:
         raise
     except NoAnswerError as error:
         said = Status.SOLVER_FAILED if error.suspicion is None else error.suspicion
         status, claim = said if said in OWN_ENDS else Status.NOT_CERTIFIED, error.claim or said.name.lower()
-        solution = no_solution(problem.size, status, solver, claim=claim, tolerance=tolerance)
-        solution = replace(solution, words=str(error), method=method)
+        solution = no_solution(
+            problem.size, status, solver, claim=claim, tolerance=tolerance, method=method, words=str(error)
+        )
     except Exception as error:
         foreign = error if isinstance(error, ForeignCodeError) else None
         if own and isinstance(error.__cause__ if foreign else error, TypeError | AttributeError | ValueError):
@@ -136,8 +139,10 @@ def backend_solution(
             raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}{hint}") from error
         late = foreign is not None and foreign.is_time_limit
         status, report = (Status.TIME_LIMIT, None) if late else (Status.SOLVER_FAILED, RAISED)
-        solution = no_solution(problem.size, status, solver, claim=report, tolerance=tolerance)
-        solution = replace(solution, words=str(foreign) if foreign else reason_of(error), method=method)
+        words = str(foreign) if foreign else reason_of(error)
+        solution = no_solution(
+            problem.size, status, solver, claim=report, tolerance=tolerance, method=method, words=words
+        )
     label = f"{solver} ({what})" if what else solver
     message = course(f"{label}, form {method}", solution, solution.words)
     missed = not solution.certified and math.isfinite(solution.certificate.worst)

@@ -22,9 +22,9 @@ from ..problem.scaled_problem import ScaledProblem
 from . import native
 from .backend import FORMS, chosen_form
 from .backend_solution import ASSUMED, DEFAULT_POLISH, Adapter, adapter_of, backend_solution
-from .compiled.compiled_answer import linear_answer
-from .solution import SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
-from .solver_declaration import Solver, SolverChoice, declared_solver, entry_point_names
+from .compiled.compiled_answer import dense_answer, is_small, linear_answer
+from .solution import CallTimes, ContactSolution, Status, course, judged, no_solution
+from .solver_declaration import ChosenSolver, Solver, SolverChoice, declared_solver, entry_point_names
 from .solver_limits import Limits, StepBudget, backend_keywords
 from .solver_table import SOLVERS
 
@@ -32,6 +32,7 @@ from .solver_table import SOLVERS
 ROUNDING_LEVEL = 1e-10
 #: Moment of forces to start from, over the greatest force on the longest lever arm, below which it is not scaled.
 SMALLEST_MOMENT = 1e-3
+_NATIVE = {asked: ChosenSolver("native", None, asked) for asked in ("auto", "native")}
 #: Why a problem is unbounded, in words.
 NO_MINIMUM = "segments without compliance penetrate at every rotation, no force can part them"
 
@@ -67,11 +68,18 @@ def require_solver(solver: SolverChoice) -> str:
     >>> require_solver("auto")
     'native'
     """
-    if isinstance(solver, str) and solver == "auto":
-        return "native"
+    return chosen_solver(solver).name
+
+
+def chosen_solver(solver: SolverChoice) -> ChosenSolver:
+    """Find what a user's choice stands for, where it enters; what was found is returned as it is. Raises as above."""
+    if isinstance(solver, ChosenSolver):
+        return solver
+    if isinstance(solver, str) and solver in _NATIVE:
+        return _NATIVE[solver]
     declared = declared_solver(solver)
     if declared is not None:
-        return declared.name
+        return ChosenSolver(declared.name, declared, solver if isinstance(solver, str) else declared.name)
     name = str(solver)
     if name not in SOLVERS:
         known = [*SOLVERS, *entry_point_names()]
@@ -80,7 +88,7 @@ def require_solver(solver: SolverChoice) -> str:
         raise InputError(f"solver = {shown(name)}: must be one of auto, {', '.join(known)}, or MODULE:FUNCTION{hint}")
     if not _is_installed(name):
         raise MissingSolverError(f"solver {name!r} is not installed: {how_to_install(SOLVERS[name].requirement)}")
-    return name
+    return ChosenSolver(name, None, name)
 
 
 def solve(
@@ -163,20 +171,18 @@ def solve(
     truth("polish", polish)
     start = perf_counter()
     limits = Limits(tolerance, time_limit, max_iterations)
-    name = solver if isinstance(solver, str) else ""
-    plain = name in ("auto", "native") and form == "auto" and not settings and max_iterations is None
-    matrix = problem.compliance_matrix
-    few = isinstance(matrix, ModalCompliance) and matrix.has_few_modes  # else to find few costs more than the solution
+    chosen = chosen_solver(solver)
+    plain = chosen.is_native and form == "auto" and not settings and max_iterations is None
     force = None if initial_force is None else array("initial_force", initial_force, "N", ndim=1, size=problem.size)
     active = None if force is None else force > 0.0
     if initial_active is not None:
         active = as_mask(initial_active, problem.size)
-    if plain and few and (time_limit is None or perf_counter() - start < time_limit):
+    if plain and (time_limit is None or perf_counter() - start < time_limit):
         solution = compiled_solution(problem, active, start)
         if solution is not None and solution.certificate.passes(limits.exact_tolerance):
             return solution if tolerance is None else replace(solution, tolerance=limits.exact_tolerance)
     request = _Request(problem, limits, polish, active, force, form, settings, start)
-    return replace(_solved(request, solver), run_time=perf_counter() - start)
+    return replace(_solved(request, chosen), run_time=perf_counter() - start)
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,31 +202,33 @@ class _Request:
 def compiled_solution(
     problem: ContactProblem, active: NDArray[np.bool_] | None, start: float
 ) -> ContactSolution | None:
-    """Certified solution of the compiled modal method, or None; ``start`` is when the call began [s]."""
-    outcome = linear_answer(problem, active)
+    """Certified solution of a compiled method, or None; ``start`` is when the call began [s]."""
+    matrix = problem.compliance_matrix
+    if is_small(matrix, problem.size):
+        outcome, method = dense_answer(problem, active), "primal_dual_active_set"
+    elif isinstance(matrix, ModalCompliance) and matrix.has_few_modes:  # else to find few costs more than the solution
+        outcome, method = linear_answer(problem, active), "modal"
+    else:
+        return None
     if outcome is None:
         return None
     certificate = outcome.answer.certificate
     if not (certificate.worst <= ROUNDING_LEVEL and certificate.passes()):
         return None
-    return ContactSolution(
-        outcome.answer,
-        Status.CERTIFIED,
+    return judged(
         "native",
-        outcome.iterations,
-        SOLVED,
-        "modal",
-        perf_counter() - start,
-        False,
-        EXACT_TOLERANCE,
-        f"native, {native.METHODS['modal'][0]}, {outcome.iterations} steps: certified",
+        outcome.answer,
+        tolerance=EXACT_TOLERANCE,
+        iterations=outcome.iterations,
+        method=method,
+        run_time=perf_counter() - start,
+        message=f"native, {native.METHODS[method][0]}, {outcome.iterations} steps: certified",
         times=CallTimes(outcome.setup_time + outcome.solve_time, outcome.setup_time, outcome.solve_time, "solver"),
     )
 
 
-def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
-    declared = declared_solver(solver)
-    problem, name = request.problem, require_solver(declared or solver)
+def _solved(request: _Request, solver: ChosenSolver) -> ContactSolution:
+    problem, name = request.problem, solver.name
     if not problem.is_positive_semidefinite:
         message = f"{name}, not begun: the compliance has a negative eigenvalue, some forces would release energy"
         return no_solution(problem.size, Status.NOT_POSITIVE_SEMIDEFINITE, name, message=message)
@@ -235,7 +243,7 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
     if not scaled.is_finite:
         message = f"{name}, not begun: the numbers overflow when scaled"
         return no_solution(problem.size, Status.INVALID_DATA, name, message=message)
-    if name == "native":
+    if solver.is_native:
         chosen_form(name, scaled, request.form)
         try:
             begin = perf_counter()
@@ -245,21 +253,21 @@ def _solved(request: _Request, solver: SolverChoice) -> ContactSolution:
         except (ArithmeticError, np.linalg.LinAlgError) as error:  # pragma: no cover - no data are known that lead here
             message = f"native: it failed; {type(error).__name__}: {error}"
             return no_solution(problem.size, Status.SOLVER_FAILED, name, message=message)
-    solution = _solve_backend(request, name, declared)
+    solution = _solve_backend(request, solver)
     limited = request.limits.time_limit is not None or request.limits.max_iterations is not None
     ended = limited and solution.status in (Status.TIME_LIMIT, Status.NOT_CONVERGED)
     missed = scaled.has_matrix and not solution.certified
     if missed and not ended and is_unbounded(problem):
         return replace(solution, status=Status.UNBOUNDED, message=f"{solution.message}; {NO_MINIMUM}")
-    if missed and (declared or SOLVERS[name]).definite and not _is_definite(scaled.compliance):
+    if missed and solver.facts.definite and not _is_definite(scaled.compliance):
         reason = f"{name} is for positive definite compliances, and this one is singular to rounding"
         return replace(solution, message=f"{solution.message}; {reason}")
     return solution
 
 
-def _solve_backend(request: _Request, name: str, declared: Solver | None) -> ContactSolution:
-    limits, settings, start = request.limits, request.settings, {}
-    if request.force is not None and (declared or SOLVERS[name]).warm_start:
+def _solve_backend(request: _Request, solver: ChosenSolver) -> ContactSolution:
+    limits, settings, start, name, declared = request.limits, request.settings, {}, solver.name, solver.own
+    if request.force is not None and solver.facts.warm_start:
         start["initvals"] = start_force(request.force, request.problem) / request.problem.scaling.force
     adapter: Adapter | Solver
     if declared is None:

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -230,13 +230,9 @@ def judged(
     tolerance: float,
     suspicion: Status | None = None,
     claim: str | None = None,
-    iterations: int = -1,
-    method: str = "",
-    polished: bool = False,
-    message: str = "",
-    stiffness: float = math.nan,
+    **facts: Any,
 ) -> ContactSolution:
-    """Solution with the status that the certificate of an answer gives it.
+    """Solution with the status that the certificate of an answer gives it, and what else is known of it.
 
     The suspicion, the solver's own report, is the status of a refused answer if in `OWN_ENDS`, else `NOT_CERTIFIED`.
     """
@@ -245,18 +241,7 @@ def judged(
         status = Status.CERTIFIED
     if claim is None:
         claim = SOLVED if status is Status.CERTIFIED else status.name.lower()
-    return ContactSolution(
-        answer,
-        status,
-        solver,
-        iterations=iterations,
-        claim=claim,
-        method=method,
-        polished=polished,
-        tolerance=tolerance,
-        message=message,
-        stiffness=stiffness,
-    )
+    return ContactSolution(answer, status, solver, claim=claim, tolerance=tolerance, **facts)
 
 
 def no_solution(
@@ -264,22 +249,13 @@ def no_solution(
     status: Status,
     solver: str,
     *,
-    message: str = "",
     claim: str | None = None,
-    iterations: int = -1,
     certificate: Certificate = NO_CERTIFICATE,
-    tolerance: float = 0.0,
+    **facts: Any,
 ) -> ContactSolution:
-    """Return the solution of a solve without an answer: NaN forces, and the reason."""
-    return ContactSolution(
-        no_answer(size, certificate),
-        status,
-        solver,
-        iterations=iterations,
-        claim=status.name.lower() if claim is None else claim,
-        tolerance=tolerance,
-        message=message,
-    )
+    """Return the solution of a solve without an answer: NaN forces, and what is known of it."""
+    claim = status.name.lower() if claim is None else claim
+    return ContactSolution(no_answer(size, certificate), status, solver, claim=claim, **facts)
 
 
 #: Ends of a solve in words, where there is no certified answer.

@@ -35,7 +35,7 @@ from ..problem.programme_forms import eliminated_system, forces_and_rotation, li
 from ..problem.scaled_problem import ScaledProblem
 from .backend import NoAnswerError, read_answer
 from .solution import SOLVED, CallTimes, ScaledAnswer, Status
-from .solver_table import SOLVERS
+from .solver_table import SOLVERS, SolverSettings
 
 
 def own_answer(returned: Any, problem: ScaledProblem, form: str, posed: Any) -> ScaledAnswer:
@@ -307,11 +307,31 @@ def _posed(problem: ScaledProblem, form: str) -> Any:
 #: Group of entry points of distributions that bring solvers.
 ENTRY_POINT_GROUP = "easeoff.solvers"
 
-#: What names a solver: a name, ``module:function``, a function, or its declaration.
-SolverChoice = str | Solver | Callable[..., Any]
+
+@dataclass(frozen=True)
+class ChosenSolver:
+    """A solver that can be used, of the table or one's own: what a user's choice stands for, see `chosen_solver`."""
+
+    name: str
+    own: Solver | None  # None: of the table
+    asked: str  # as the user named it
+
+    @property
+    def is_native(self) -> bool:
+        """True for the native solver."""
+        return self.own is None and self.name == "native"
+
+    @property
+    def facts(self) -> Solver | SolverSettings:
+        """What is declared of it."""
+        return self.own or SOLVERS[self.name]
 
 
-def declared_solver(solver: SolverChoice) -> Solver | None:
+#: What names a solver: a name, ``module:function``, a function, its declaration, or what was found for one of these.
+SolverChoice = str | Solver | Callable[..., Any] | ChosenSolver
+
+
+def declared_solver(solver: str | Solver | Callable[..., Any]) -> Solver | None:
     """Declaration of a solver of one's own; None for other names, such as those of the table.
 
     A `Solver`, a function, ``module:function``, or a name of the entry-point group ``easeoff.solvers``; the table's

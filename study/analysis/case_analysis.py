@@ -21,7 +21,9 @@ from ...cases.analysis_size import KEPT_VALUES_LIMIT
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.reading import with_supports
 from ...cases.schema.case_schema import Case, ComplianceTable, ContactTable
-from ...contact.solvers import SOLVERS, SolverChoice, require_solver
+from ...contact.solvers import SOLVERS, SolverChoice
+from ...contact.solvers.registry import chosen_solver
+from ...contact.solvers.solver_declaration import ChosenSolver
 from ...contact.solvers.solver_limits import Limits
 from ...core.checks import one_of, shown
 from ...core.errors import InputError, suggestion
@@ -83,14 +85,16 @@ TABLES: Mapping[str, type[BaseModel]] = {"contact": ContactTable, "compliance": 
 LIKENESS, LENGTH_MINIMUM = 0.8, 5
 
 
-def require_solver_options(options: Mapping[str, Any], solver: SolverChoice, function: Callable[..., Any]) -> None:
-    """Refuse keywords that no solver can mean, with the nearest argument of the called function.
+def require_solver_options(
+    options: Mapping[str, Any], solver: SolverChoice, function: Callable[..., Any]
+) -> ChosenSolver:
+    """Refuse keywords that no solver can mean, with the nearest argument of the called function; return the solver.
 
     The native solver takes ``OPTIONS`` and ``method``; for others only a name near an argument is refused.
     """
-    name = require_solver(solver)
+    chosen = chosen_solver(solver)
+    native, name = chosen.is_native, chosen.name
     Limits(*(options.get(limit) for limit in OPTIONS[:3]))
-    native = name == "native"
     known = (*OPTIONS, "method") if native else (*OPTIONS, *_settings(name))
     words = [key for key, one in signature(function).parameters.items() if one.kind is not Parameter.VAR_KEYWORD]
     for option, value in options.items():
@@ -108,6 +112,7 @@ def require_solver_options(options: Mapping[str, Any], solver: SolverChoice, fun
         from ...contact.solvers.native import METHODS
 
         one_of("method", options["method"], ("cascade", *METHODS))
+    return chosen
 
 
 def _settings(name: str) -> tuple[str, ...]:
@@ -237,7 +242,7 @@ def analyze(
     >>> tree["loaded/peak_to_peak"].sizes["torque"]
     2
     """
-    require_solver_options(options, solver, analyze)
+    solver = require_solver_options(options, solver, analyze)
     case = checked_case(case)
     flanks = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
     conditions = FrictionConditions(speed, temperature, roughness, oil, friction_model, friction_feedback)

@@ -21,7 +21,9 @@ from ...cases.schema.usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_r
 from ...contact.evaluation.cycle_numbers import with_loaded_numbers, with_unloaded_numbers
 from ...contact.loaded import LoadedCase
 from ...contact.mesh_cycle import MeshCycle
-from ...contact.solvers import SolverChoice, require_solver
+from ...contact.solvers import SolverChoice
+from ...contact.solvers.registry import chosen_solver
+from ...contact.solvers.solver_declaration import ChosenSolver
 from ...contact.tooth_root_stress import root_stress
 from ...core.arrays import Array
 from ...core.attributes import labelled
@@ -282,7 +284,7 @@ def contact_analysis(
     Torques (t) [N m] that ``case_torques`` has checked; other arguments as of ``analyze``. Where the misalignment
     depends on the torque, every torque is analysed in its assembly.
     """
-    case, cycle, geometry = state.case, state.cycle, state.cycle.geometry
+    case, cycle, geometry, solver = state.case, state.cycle, state.cycle.geometry, chosen_solver(solver)
     edges = case.contact.edge_contact if edge_contact is None else edge_contact
     load = np.asarray(torques, dtype=np.float64)
     assemblies = state.assemblies(load)
@@ -298,8 +300,7 @@ def contact_analysis(
     light, light_load = LIGHT_LOAD_SHARE * load.max(), None
     light_state = state.assemblies([light])[0][1]
     # The native solver takes the light load with the others, where nobody counts the solves; others start from it.
-    native = require_solver(solver) == "native" and not options
-    with_light = chosen_supports is None and progress is None and native
+    with_light = chosen_supports is None and progress is None and solver.is_native and not options
     for places, assembly in assemblies:
         at = load[list(places)]
         if chosen_supports is not None:
@@ -390,7 +391,7 @@ def _sharp_roots(state: CaseInMesh) -> list[str]:
     return [tooth.no_root for tooth in state.teeth or () if tooth.root is None]
 
 
-def _provenance(state: CaseInMesh, torques: Array, solver: SolverChoice, *, edge_contact: bool) -> dict[str, Any]:
+def _provenance(state: CaseInMesh, torques: Array, solver: ChosenSolver, *, edge_contact: bool) -> dict[str, Any]:
     """Origin of a result, as netCDF attributes."""
     flanks = (state.pair.pinion.opposite, state.pair.gear.opposite)
     return {
@@ -398,7 +399,7 @@ def _provenance(state: CaseInMesh, torques: Array, solver: SolverChoice, *, edge
         **state.attributes,
         **deflection_attributes(state.misalignment, state.flank, torques),
         "schema_version": RESULT_SCHEMA_VERSION,
-        "solver": solver if isinstance(solver, str) else require_solver(solver),
+        "solver": solver.asked,
         "compliance_model": state.case.compliance.model,
         "edge_contact": int(edge_contact),
         **({"contradictions": "; ".join(conflicts)} if (conflicts := contradictions(state.pair)) else {}),

@@ -38,8 +38,8 @@ from ...contact.problem.exchange.problem_file import read_labels, read_problems
 from ...contact.solvers import SOLVERS, ContactSolution, Solver, solve
 from ...contact.solvers.backend_solution import Adapter, adapter_of, backend_solution
 from ...contact.solvers.polish import STRICT_POLISH
+from ...contact.solvers.registry import chosen_solver
 from ...contact.solvers.solution import RAISED
-from ...contact.solvers.solver_declaration import declared_solver
 from ...core.errors import InputError
 
 #: Settings a solver can be run with, and what they mean; the headline first.
@@ -270,13 +270,11 @@ class Attempt:
 
 def load_adapter(solver: str) -> Adapter | Solver | None:
     """Adapter of a solver by name, or the declaration of one's own (``module:function``); None for the native one."""
-    if solver == "native":
-        return None
-    declared = declared_solver(solver)
-    if declared is None:
-        return adapter_of(solver)
+    chosen = chosen_solver(solver)
+    if chosen.own is None:
+        return None if chosen.is_native else adapter_of(chosen.name)
     importlib.import_module("qpsolvers")  # slow imports are not to be timed
-    return declared
+    return chosen.own
 
 
 @dataclass(frozen=True, eq=False)

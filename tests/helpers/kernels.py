@@ -14,7 +14,10 @@ import easeoff
 
 #: Modules by their package, each after those that it uses.
 KERNELS = {
-    "easeoff.contact.solvers.compiled": ("block_algebra", "line_deflection", "proof_kernel", "newton_kernel"),
+    "easeoff.contact.problem": ("mode_kernel",),
+    "easeoff.contact.solvers.compiled": (
+        *("block_algebra", "line_deflection", "proof_kernel", "dense_kernel", "newton_kernel"),
+    ),
     "easeoff.contact.lines": ("spline_kernel",),
     "easeoff.contact.evaluation": ("least_gap_kernel",),
 }

@@ -60,6 +60,7 @@ from ....core.output_file import whole_file
 from ....core.regular_file import faults_in_words, require_file
 from ..contact_problem import ContactProblem, number_names, problem_numbers, problem_of_numbers
 from ..programme_forms import dual_qp, lifted_qp
+from ..scaled_problem import Units
 
 #: Forms in which the programme can be written.
 FORMS = ("dense", "lifted", "dual")
@@ -168,7 +169,7 @@ def _is_numeric(array: NDArray[Any]) -> bool:
 
 
 @dataclass(frozen=True)
-class ProblemUnits:
+class ProblemUnits(Units):
     """Units of force [N], compliance [mm/N] and lever arm [mm] for the numbers of a problem, powers of two.
 
     Unlike the scaling for solvers (`scaling`), units change neither the zero of the rotation nor any separation: the
@@ -178,16 +179,6 @@ class ProblemUnits:
     force: float = 1.0
     compliance: float = 1.0  # [mm/N], a power of four: its root is the unit of V
     lever_arm: float = 1.0
-
-    @property
-    def gap(self) -> float:
-        """Of separations and gaps [mm]."""
-        return self.force * self.compliance
-
-    @property
-    def rotation(self) -> float:
-        """Of rotations [rad]."""
-        return self.gap / self.lever_arm
 
     @classmethod
     def of(cls, problem: ContactProblem) -> ProblemUnits:

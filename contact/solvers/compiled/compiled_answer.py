@@ -13,16 +13,22 @@ from numpy.typing import NDArray
 from ....core.arrays import RealArray as Array
 from ....core.kernels import kernel
 from ...problem.certificate import RESOLUTION_LIMIT, Answer, Certificate, with_certificate
-from ...problem.compliance_matrix import ModalCompliance
+from ...problem.compliance_matrix import ComplianceMatrix, DenseCompliance, ModalCompliance
 from ...problem.contact_problem import ContactProblem
 from ...problem.modal_basis import ModalBasis, ModeColumns
 from ...problem.scaled_problem import ScaledProblem
 
 solve_batch = kernel(".newton_kernel", __package__).solve_batch
+solve_dense = kernel(".dense_kernel", __package__).solve_dense
 
 #: Smallest local compliance for which the method is tried, relative to the whole compliance of a segment: digits are
 #: lost, and iterations gained, in the ratio of the two.
 SMALLEST_LOCAL_FRACTION = 1e-4
+
+#: Most segments with which the active set of a dense matrix is found here: beyond, LAPACK's factors are faster.
+LARGEST_DENSE = 300
+#: Most segments with which diag(d) + V V^T is formed for it, if V has as many columns: beyond, few modes cost less.
+LARGEST_FORMED = 100
 
 _NO_FACTOR, _NO_MASK, _NO_LAW = np.empty(0), np.empty((0, 0), dtype=np.uint8), np.empty((0, 14))
 
@@ -74,6 +80,37 @@ def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = No
     ended_at = perf_counter()
     times = ready - begin, ended_at - ready
     return CompiledAnswer(answer_of(problem, force[0], gap[0], numbers[0]), steps, _NO_FACTOR, math.nan, *times)
+
+
+def is_small(matrix: ComplianceMatrix, size: int) -> bool:
+    """True if the active set of a dense matrix is the fastest method: of one that was given, or formed of few rows."""
+    if isinstance(matrix, ModalCompliance):
+        return not isinstance(matrix.modes, ModalBasis) and size <= min(LARGEST_FORMED, matrix.factor.shape[1])
+    return isinstance(matrix, DenseCompliance) and size <= LARGEST_DENSE
+
+
+def dense_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = None) -> CompiledAnswer | None:
+    """Solve a contact problem with a small matrix by the active set, see `linear_answer` and `is_small`."""
+    matrix, size = problem.compliance_matrix, problem.size
+    if not problem.torque > 0.0:
+        return None
+    begin = perf_counter()
+    if not matrix.is_positive_semidefinite:
+        return None
+    dense, columns = matrix.dense, matrix.factor.shape[1] if isinstance(matrix, ModalCompliance) else 0
+    room, places = np.empty((size + 4) * (size + 9)), np.empty(2 * size, dtype=np.int64)
+    force, gap, numbers = np.empty(size), np.empty(size), np.empty(10)
+    if active is not None:
+        places[:size] = active
+    ready = perf_counter()
+    steps = solve_dense(
+        dense.reshape(-1), columns, problem.torque, problem.separation, problem.lever_arm, active is not None, room,
+        places, force, gap, numbers,
+    )  # fmt: skip
+    if not steps:
+        return None
+    times = ready - begin, perf_counter() - ready
+    return CompiledAnswer(answer_of(problem, force, gap, numbers), steps, _NO_FACTOR, math.nan, *times)
 
 
 def scaled_answer(problem: ScaledProblem, active: NDArray[np.bool_]) -> tuple[Array, float, int] | None:

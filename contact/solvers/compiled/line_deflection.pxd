@@ -11,6 +11,9 @@ cpdef (double, double) strip(const double[:, ::1] law, Py_ssize_t i, double load
 
 cpdef (double, double) pressed(const double[:, ::1] law, Py_ssize_t i, double indentation, double guess) noexcept nogil
 
+@cython.locals(root=double, length=double, tangent=double)
+cdef double tangent_root(const double[:, ::1] law, Py_ssize_t i, double force) noexcept nogil
+
 @cython.locals(k=Py_ssize_t)
 cpdef void deflections(
     const double[:, ::1] law, const int64_t[::1] segment, const double[::1] load, double[:, ::1] found

@@ -79,6 +79,14 @@ def pressed(law: Any, i: int, indentation: float, guess: float) -> tuple[float, 
     return load * length, length / tangent
 
 
+def tangent_root(law: Any, i: int, force: float) -> float:
+    """Root of the stiffness of segment ``i`` at a force."""
+    length = law[i, 0]
+    _secant, tangent = strip(law, i, force / length)
+    root: float = sqrt(length / tangent)
+    return root
+
+
 def deflections(law: Any, segment: Any, load: Any, found: Any) -> None:
     """Secants and tangents (2, m) of the deflection at line loads (m) of segments (m)."""
     for k in range(load.shape[0]):

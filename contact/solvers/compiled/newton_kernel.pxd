@@ -3,8 +3,8 @@ from libc.math cimport isfinite, sqrt
 from libc.stdint cimport int64_t
 
 from .block_algebra cimport add_rows, backward, dot, eliminate, forward, gram, products, row_products
-from .line_deflection cimport pressed, strip
-from .proof_kernel cimport certificate, first_contact
+from .line_deflection cimport pressed, strip, tangent_root
+from .proof_kernel cimport certificate, first_contact, winkler_rotation
 
 cdef double INFINITY, NAN, ROUNDING_RESIDUAL, STALLED_RESIDUAL, ROUNDING_SLOPE, COARSE_RESIDUAL
 cdef double WINKLER_ROW_SUM_FRACTION, TOUCHING_GUESS
@@ -31,20 +31,26 @@ cdef void _prepare(Newton n, tuple modes, object law, Py_ssize_t size)
 
 cdef double[::1] _room(Newton n, Py_ssize_t size)
 cdef Py_ssize_t _padded(Py_ssize_t size) noexcept nogil
+
+@cython.locals(count=Py_ssize_t)
+cdef Py_ssize_t _count(Newton n, Py_ssize_t q) noexcept nogil
 cdef void _spread(Newton n, double[::1] vector) noexcept nogil
 cdef void _gather(Newton n) noexcept nogil
 
 @cython.locals(moment=double, pivot=double, changed=bint, different=bint, low=Py_ssize_t, high=Py_ssize_t)
 cdef (double, double, bint) _point(Newton n, double rotation, bint linear) noexcept nogil
 
-cdef void _fill(Newton n, Py_ssize_t q, Py_ssize_t low, Py_ssize_t high) noexcept nogil
+cdef (double, double) _loads_of(Newton n, Py_ssize_t q, double moment, double pivot) noexcept nogil
 
 @cython.locals(place=Py_ssize_t)
-cdef void _fill_rows(Newton n, Py_ssize_t q, Py_ssize_t low, Py_ssize_t high) noexcept nogil
+cdef void _fill(Newton n, Py_ssize_t q, Py_ssize_t low, Py_ssize_t high, bint segments) noexcept nogil
 
 @cython.locals(segments=bint)
 cdef double _direction(Newton n, double imbalance, double pivot) noexcept nogil
 cdef void _factor_with_shared(Newton n, Py_ssize_t q) noexcept nogil
+cdef void _border_row(
+    Newton n, Py_ssize_t k, Py_ssize_t column, Py_ssize_t low, Py_ssize_t high, double[::1] result, Py_ssize_t out
+) noexcept nogil
 cdef void _factor_whole(Newton n) noexcept nogil
 
 @cython.locals(stale=bint)
@@ -56,22 +62,20 @@ cdef double _stiffness(Newton n) noexcept nogil
 @cython.locals(moment=double, pivot=double, low=Py_ssize_t, high=Py_ssize_t)
 cdef (double, double) _stuck(Newton n) noexcept nogil
 
-@cython.locals(amplitude=double, left=double, first=Py_ssize_t, level=double)
+@cython.locals(amplitude=double, left=double, of_blocks=double, level=double)
 cdef double _residual(Newton n, double torque, double moment) noexcept nogil
 
-@cython.locals(bending=double, local=double, first=Py_ssize_t)
+@cython.locals(bending=double, local=double)
 cdef (double, double) _slope(Newton n, double torque, double moment, double turn) noexcept nogil
 
-cdef void _move(Newton n, double length) noexcept nogil
+cdef (double, double, bint) _move(Newton n, double length, double rotation, bint linear) noexcept nogil
+cdef void _copy(const double[::1] given, double[::1] result) noexcept nogil
 
 @cython.locals(least=double, steps=Py_ssize_t, ended=bint, kept=double, current=Py_ssize_t, changed=bint,
                iteration=Py_ssize_t, halving=Py_ssize_t, slope=double, length=double)
 cdef (double, Py_ssize_t, bint) _iterate(
     Newton n, double torque, double rotation, bint linear, bint coarse
 ) noexcept nogil
-
-@cython.locals(top=double, bottom=double)
-cdef double _winkler_rotation(Newton n, Py_ssize_t total, double torque) noexcept nogil
 
 @cython.locals(total=Py_ssize_t)
 cdef Py_ssize_t _take(

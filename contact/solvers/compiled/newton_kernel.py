@@ -40,8 +40,8 @@ if not cython.compiled:
     from numpy import sqrt
 
     from .block_algebra import add_rows, backward, dot, eliminate, forward, gram, products, row_products
-    from .line_deflection import pressed, strip
-    from .proof_kernel import certificate, first_contact
+    from .line_deflection import pressed, strip, tangent_root
+    from .proof_kernel import certificate, first_contact, winkler_rotation
 
 INFINITY, NAN = math.inf, math.nan
 MAX_ITERATIONS = 60
@@ -87,8 +87,7 @@ def _prepare(n: Any, modes: Any, law: Any, size: int) -> None:
     zeros = 7 * n.modes + 2 * mixed
     whole = (n.padded_shared + 2) * n.padded_shared + 1
     n.pool, n.taken = np.empty(zeros + (10 + n.width) * size + 2 * matrix + few + whole), 0
-    for k in range(zeros):
-        n.pool[k] = 0.0
+    n.pool[:zeros] = 0.0
     n.amplitudes, n.loads, n.change = _room(n, n.modes), _room(n, n.modes), _room(n, n.modes)
     n.begin, n.best = _room(n, n.modes), _room(n, n.modes)
     n.border, n.solved = _room(n, n.modes), _room(n, n.modes)
@@ -114,6 +113,12 @@ def _room(n: Any, size: int) -> Any:
 def _padded(size: int) -> int:
     """The next multiple of four."""
     return 4 * ((size + 3) // 4)
+
+
+def _count(n: Any, q: int) -> int:
+    """Number of amplitudes of a block; behind the last one, of the shared modes."""
+    count: int = n.table[n.level + q, 3] if q < n.blocks else n.shared
+    return count
 
 
 def _spread(n: Any, vector: Any) -> None:
@@ -152,8 +157,7 @@ def _point(n: Any, rotation: float, linear: bool) -> tuple[float, float, bool]:
     Returns the moment of the forces, the sum of stiffness times squared arm, and whether the touching set has changed;
     blocks in which it has are marked in ``spans``: first touching place, end, mark.
     """
-    if n.shared:
-        _spread(n, n.amplitudes)
+    _spread(n, n.amplitudes)
     moment, pivot, changed = 0.0, 0.0, not linear
     for q in range(n.blocks):
         at = n.level + q
@@ -178,53 +182,53 @@ def _point(n: Any, rotation: float, linear: bool) -> tuple[float, float, bool]:
         else:
             weight = n.stiff[x0]
             for x in range(x0, x1):
+                n.root[x], n.pull[x] = 0.0, 0.0
                 if n.gap[x] < 0.0:
                     force, tangent = pressed(n.law, n.segment[x], -n.gap[x], n.force[x])
                     n.force[x], n.root[x] = force, sqrt(weight * tangent)
                     n.pull[x] = weight * force / n.root[x]
                     low, high = min(low, x), x + 1
-                else:
-                    n.root[x] = 0.0
-                    n.pull[x] = 0.0
         if different:
             changed = True
             low = min(low, high)
             n.spans[3 * q], n.spans[3 * q + 1], n.spans[3 * q + 2] = low, high, 1
             for x in range(low, high):
                 n.lever[x] = n.root[x] * n.arm[x]
-        low, high = n.spans[3 * q], n.spans[3 * q + 1]
-        for x in range(low, high):
-            moment += n.pull[x] * n.lever[x]
-            pivot += n.lever[x] * n.lever[x]
-            n.pull[x] *= n.root[x]
-        row_products(
-            n.columns, column + low - x0, count, rank + n.local_shared, n.pull, low, high - low, n.loads, q * n.width
-        )
-    if n.shared:
-        _gather(n)
+        moment, pivot = _loads_of(n, q, moment, pivot)
+    _gather(n)
     return moment, pivot, changed
 
 
-def _fill(n: Any, q: int, low: int, high: int) -> None:
-    """Modes of a block times the roots of the stiffness."""
-    at = n.level + q
+def _loads_of(n: Any, q: int, moment: float, pivot: float) -> tuple[float, float]:
+    """Loads of a block from the pull of its touching segments; returns the sums of `_point` with those of the block."""
+    at, low, high = n.level + q, n.spans[3 * q], n.spans[3 * q + 1]
     x0, count, column, rank = n.table[at, 0], n.table[at, 1], n.table[at, 2], n.table[at, 3]
-    for a in range(rank):
-        first, row = column + a * count - x0, a * n.size
-        for x in range(low, high):
-            n.z[row + x] = n.columns[first + x] * n.root[x]
-    for a in range(rank, _padded(rank)):
-        for x in range(low, high):
-            n.z[a * n.size + x] = 0.0
+    for x in range(low, high):
+        moment += n.pull[x] * n.lever[x]
+        pivot += n.lever[x] * n.lever[x]
+        n.pull[x] *= n.root[x]
+    row_products(
+        n.columns, column + low - x0, count, rank + n.local_shared, n.pull, low, high - low, n.loads, q * n.width
+    )
+    return moment, pivot
 
 
-def _fill_rows(n: Any, q: int, low: int, high: int) -> None:
-    """As `_fill`, one segment after the other."""
+def _fill(n: Any, q: int, low: int, high: int, segments: bool) -> None:
+    """Modes of a block times the roots of the stiffness, one mode after the other or one segment."""
     at = n.level + q
     x0, count, column, rank = n.table[at, 0], n.table[at, 1], n.table[at, 2], n.table[at, 3]
-    rows, padded = q * n.width * n.width, _padded(rank)
+    first, rows, padded = column - x0, q * n.width * n.width, _padded(rank)
+    if not segments:
+        for a in range(rank):
+            row, place = a * n.size, first + a * count
+            for x in range(low, high):
+                n.z[row + x] = n.columns[place + x] * n.root[x]
+        for a in range(rank, padded):
+            for x in range(low, high):
+                n.z[a * n.size + x] = 0.0
+        return
     for x in range(high - low):
-        row, stiff, place = rows + x * n.width, n.root[low + x], column + low + x - x0
+        row, stiff, place = rows + x * n.width, n.root[low + x], first + low + x
         for a in range(rank):
             n.rows[row + a] = n.columns[place] * stiff
             place += count
@@ -249,7 +253,7 @@ def _direction(n: Any, imbalance: float, pivot: float) -> float:
         if n.spans[3 * q + 2] == 1:
             n.spans[3 * q + 2] = 0
             if segments:
-                _fill_rows(n, q, low, high)
+                _fill(n, q, low, high, True)
                 gram(n.rows, matrix, width, size, padded, n.grams, matrix, width, size)
                 eliminate(n.grams, matrix, width, 0, size, size)
                 for x in range(size):
@@ -262,7 +266,7 @@ def _direction(n: Any, imbalance: float, pivot: float) -> float:
                 backward(n.grams, matrix, width, size, n.few, 0)
                 add_rows(n.rows, matrix, width, size, n.few, 0, n.solved, c0, padded)
             else:
-                _fill(n, q, low, high)
+                _fill(n, q, low, high, False)
                 gram(n.z, low, n.size, padded, high - low, n.grams, matrix, width, padded)
                 eliminate(n.grams, matrix, width, 0, padded, padded)
                 row_products(n.z, low, n.size, padded, n.lever, low, high - low, n.border, c0)
@@ -310,18 +314,12 @@ def _factor_with_shared(n: Any, q: int) -> None:
         return
     shared_column = column + rank * count - x0
     if size < padded:
-        _fill_rows(n, q, low, high)
+        _fill(n, q, low, high, True)
         gram(n.rows, matrix, width, size, padded, n.grams, matrix, width, size)
         eliminate(n.grams, matrix, width, 0, size, size)
         for k in range(extended):
             row = matrix + (edge + k) * width
-            for x in range(high - low):
-                value = 0.0
-                if k < n.local_shared:
-                    value = n.columns[shared_column + k * count + low + x] * n.root[low + x]
-                elif k == n.local_shared:
-                    value = n.lever[low + x]
-                n.grams[row + x] = value
+            _border_row(n, k, shared_column + k * count, low, high, n.grams, row - low)
             for t in range(high - low, edge + extended):
                 n.grams[row + t] = 0.0
         eliminate(n.grams, matrix, width, edge, edge + extended, edge)
@@ -329,18 +327,20 @@ def _factor_with_shared(n: Any, q: int) -> None:
             for t in range(edge, k + 1):
                 n.grams[matrix + k * width + t] = -n.grams[matrix + k * width + t]
     else:
-        _fill(n, q, low, high)
+        _fill(n, q, low, high, False)
         for k in range(extended):
-            row = (edge + k) * n.size
-            for x in range(low, high):
-                value = 0.0
-                if k < n.local_shared:
-                    value = n.columns[shared_column + k * count + x] * n.root[x]
-                elif k == n.local_shared:
-                    value = n.lever[x]
-                n.z[row + x] = value
+            _border_row(n, k, shared_column + k * count, low, high, n.z, (edge + k) * n.size)
         gram(n.z, low, n.size, edge + extended, high - low, n.grams, matrix, width, edge)
         eliminate(n.grams, matrix, width, 0, edge + extended, edge)
+
+
+def _border_row(n: Any, k: int, column: int, low: int, high: int, result: Any, out: int) -> None:
+    """Row of [G r]' times the roots of the stiffness: a shared column, the lever arm, or zeros."""
+    for x in range(low, high):
+        if k < n.local_shared:
+            result[out + x] = n.columns[column + x] * n.root[x]
+        else:
+            result[out + x] = n.lever[x] if k == n.local_shared else 0.0
 
 
 def _factor_whole(n: Any) -> None:
@@ -348,8 +348,7 @@ def _factor_whole(n: Any) -> None:
     width, shared, local, padded = n.width, n.shared, n.local_shared, n.padded_shared
     turning = padded * padded
     corner = turning + padded
-    for k in range((padded + 1) * padded + 1):
-        n.whole[k] = 0.0
+    n.whole[: corner + 1] = 0.0
     for t in range(padded):
         n.whole[t * (padded + 1)] = 1.0
     for q in range(n.blocks):
@@ -463,15 +462,12 @@ def _stiffness(n: Any) -> float:
     balance; the tangents of the line contacts are those at the forces themselves.
     """
     pivot = 0.0
-    for a in range(n.modes):
-        n.amplitudes[a] = n.loads[a]
+    _copy(n.loads, n.amplitudes)
     for q in range(n.blocks):
         n.spans[3 * q + 2] = 1
         for x in range(n.spans[3 * q], n.spans[3 * q + 1]):
             if n.root[x] > 0.0:
-                length = n.law[n.segment[x], 0]
-                _secant, tangent = strip(n.law, n.segment[x], n.force[x] / length)
-                n.root[x] = sqrt(length / tangent)
+                n.root[x] = tangent_root(n.law, n.segment[x], n.force[x])
             n.lever[x] = n.root[x] * n.arm[x]
             pivot += n.lever[x] * n.lever[x]
     return 1.0 / _turn(n, 1.0, pivot)
@@ -481,8 +477,7 @@ def _stuck(n: Any) -> tuple[float, float]:
     """As `_point` at amplitudes and rotation zero, where the touching segments stick together and no others touch."""
     moment, pivot = 0.0, 0.0
     for q in range(n.blocks):
-        at = n.level + q
-        x0, count, column, rank = n.table[at, 0], n.table[at, 1], n.table[at, 2], n.table[at, 3]
+        x0, count = n.table[n.level + q, 0], n.table[n.level + q, 1]
         low, high = x0 + count, x0
         for x in range(x0, x0 + count):
             n.root[x] = 0.0
@@ -491,64 +486,53 @@ def _stuck(n: Any) -> tuple[float, float]:
                 low, high = min(low, x), x + 1
             n.pull[x] = -n.separation[x] * n.root[x]
             n.lever[x] = n.root[x] * n.arm[x]
-            moment += n.pull[x] * n.lever[x]
-            pivot += n.lever[x] * n.lever[x]
-        low = min(low, high)
-        n.spans[3 * q], n.spans[3 * q + 1], n.spans[3 * q + 2] = low, high, 1
-        for x in range(low, high):
-            n.pull[x] *= n.root[x]
-        row_products(
-            n.columns, column + low - x0, count, rank + n.local_shared, n.pull, low, high - low, n.loads, q * n.width
-        )
-    if n.shared:
-        _gather(n)
+        n.spans[3 * q], n.spans[3 * q + 1], n.spans[3 * q + 2] = min(low, high), high, 1
+        moment, pivot = _loads_of(n, q, moment, pivot)
+    _gather(n)
     return moment, pivot
 
 
 def _residual(n: Any, torque: float, moment: float) -> float:
     """Gradient of phi relative to its terms."""
-    amplitude, left, first = 0.0, 0.0, n.blocks * n.width
-    for q in range(n.blocks):
-        for a in range(q * n.width, q * n.width + n.table[n.level + q, 3]):
+    amplitude, left, of_blocks, level = 0.0, 0.0, 0.0, torque
+    for q in range(n.blocks + 1):
+        if q == n.blocks:
+            of_blocks, left = left / amplitude if amplitude > 0.0 else left, 0.0
+        for a in range(q * n.width, q * n.width + _count(n, q)):
             amplitude = max(amplitude, abs(n.amplitudes[a]))
             left = max(left, abs(n.loads[a] - n.amplitudes[a]))
     if amplitude > 0.0:
         left /= amplitude
-    level = torque
     if not torque > 0.0:  # without a torque, segments press against each other
         for q in range(n.blocks):
             for x in range(n.spans[3 * q], n.spans[3 * q + 1]):
                 level += abs(n.pull[x] * n.arm[x])
-    residual: float = max(abs(torque - moment) / level, left)
-    if n.shared:
-        left = 0.0
-        for a in range(first, first + n.shared):
-            amplitude = max(amplitude, abs(n.amplitudes[a]))
-            left = max(left, abs(n.loads[a] - n.amplitudes[a]))
-        if amplitude > 0.0:
-            left /= amplitude
-        residual = max(residual, left)
+    residual: float = max(max(abs(torque - moment) / level, of_blocks), left)
     return residual
 
 
 def _slope(n: Any, torque: float, moment: float, turn: float) -> tuple[float, float]:
     """Slope of phi along a step, and what of it is rounding."""
-    bending, local, first = 0.0, -turn * moment, n.blocks * n.width
-    for q in range(n.blocks):
-        for a in range(q * n.width, q * n.width + n.table[n.level + q, 3]):
+    bending, local = 0.0, -turn * moment
+    for q in range(n.blocks + 1):
+        for a in range(q * n.width, q * n.width + _count(n, q)):
             bending += n.change[a] * n.amplitudes[a]
             local += n.change[a] * n.loads[a]
-    for a in range(first, first + n.shared):
-        bending += n.change[a] * n.amplitudes[a]
-        local += n.change[a] * n.loads[a]
     work = torque * turn
     return bending - local - work, ROUNDING_SLOPE * (abs(bending) + abs(local) + abs(work))
 
 
-def _move(n: Any, length: float) -> None:
-    """Amplitudes so far along a step."""
+def _move(n: Any, length: float, rotation: float, linear: bool) -> tuple[float, float, bool]:
+    """As `_point`, at the amplitudes so far along a step and the rotation there."""
     for a in range(n.modes):
         n.amplitudes[a] = n.begin[a] + length * n.change[a]
+    return _point(n, rotation, linear)
+
+
+def _copy(given: Any, result: Any) -> None:
+    """Copy a vector."""
+    for a in range(given.shape[0]):
+        result[a] = given[a]
 
 
 def _iterate(n: Any, torque: float, rotation: float, linear: bool, coarse: bool) -> tuple[float, int, bool]:
@@ -563,20 +547,16 @@ def _iterate(n: Any, torque: float, rotation: float, linear: bool, coarse: bool)
         before = least
         if residual < least:
             least, steps, kept = residual, iteration, rotation
-            for a in range(n.modes):
-                n.best[a] = n.amplitudes[a]
+            _copy(n.amplitudes, n.best)
         if residual <= ROUNDING_RESIDUAL or (not residual < 0.5 * before and before < STALLED_RESIDUAL):
             ended = True
             break
         if not isfinite(residual):
             break
         turn = _turn(n, torque - moment, pivot)
-        for a in range(n.modes):
-            n.begin[a] = n.amplitudes[a]
-        begin = rotation
-        _move(n, 1.0)
-        rotation = begin + turn
-        moment, pivot, changed = _point(n, rotation, linear)
+        _copy(n.amplitudes, n.begin)
+        begin, rotation = rotation, rotation + turn
+        moment, pivot, changed = _move(n, 1.0, rotation, linear)
         if coarse:
             continue
         slope, rounding = _slope(n, torque, moment, turn)
@@ -584,52 +564,21 @@ def _iterate(n: Any, torque: float, rotation: float, linear: bool, coarse: bool)
         for _halving in range(MAX_HALVINGS):
             if not slope > rounding:
                 break
-            _move(n, 0.5 * length)
             rotation = begin + 0.5 * length * turn
-            moment, pivot, changed = _point(n, rotation, linear)
+            moment, pivot, changed = _move(n, 0.5 * length, rotation, linear)
             half_slope, _half_rounding = _slope(n, torque, moment, turn)
             if not half_slope + slope > 0.0:  # the longer step it is
-                _move(n, length)
                 rotation = begin + length * turn
-                moment, pivot, changed = _point(n, rotation, linear)
+                moment, pivot, changed = _move(n, length, rotation, linear)
                 break
             length, slope = 0.5 * length, half_slope
     if coarse:
         return rotation, current, True
     if steps != current:
-        for a in range(n.modes):
-            n.amplitudes[a] = n.best[a]
+        _copy(n.best, n.amplitudes)
         rotation = kept
         _point(n, rotation, linear)
     return rotation, steps, ended
-
-
-def _winkler_rotation(n: Any, total: int, torque: float) -> float:
-    """Rotation at which springs without coupling balance the torque, from above: a convex function of one number.
-
-    Their stiffness stands where the gaps do later.
-    """
-    top, bottom = torque, 0.0
-    for x in range(total):
-        if n.arm[x] > 0.0:
-            stiff = n.gap[x] * n.arm[x]
-            top += stiff * n.separation[x]
-            bottom += stiff * n.arm[x]
-    rotation = top / bottom
-    for _step in range(MAX_ITERATIONS):
-        top, bottom = torque, 0.0
-        for x in range(total):
-            if n.arm[x] > 0.0 and rotation * n.arm[x] > n.separation[x]:
-                stiff = n.gap[x] * n.arm[x]
-                top += stiff * n.separation[x]
-                bottom += stiff * n.arm[x]
-        if not bottom > 0.0:
-            break
-        turned = top / bottom
-        if not turned < rotation * (1.0 - 1e-3):
-            break
-        rotation = turned
-    return rotation
 
 
 def _take(n: Any, level: int, arm: Any, local: Any, linear: bool, guess: float, highest: bool) -> int:
@@ -671,18 +620,15 @@ def _start(n: Any, total: int, torque: float, mask: Any, b: int) -> tuple[float,
                 i = n.segment[x]
                 whole = max(WINKLER_ROW_SUM_FRACTION * (n.sums[1, i] + n.local[x]), n.local[x] + n.sums[0, i])
                 n.gap[x] = weight / whole
-        winkler = _winkler_rotation(n, total, torque)
+        winkler = winkler_rotation(n.gap, n.separation, n.arm, total, torque)
         for x in range(total):
             n.touching[x] = n.arm[x] > 0.0 and winkler * n.arm[x] > n.separation[x]
-    for a in range(n.modes):
-        n.amplitudes[a] = 0.0
+    n.amplitudes[:] = 0.0
     moment, pivot = _stuck(n)
     rotation = _turn(n, torque - moment, pivot)
-    for a in range(n.modes):
-        n.amplitudes[a] = n.change[a]
+    _copy(n.change, n.amplitudes)
     if not isfinite(rotation):
-        for a in range(n.modes):
-            n.amplitudes[a] = 0.0
+        n.amplitudes[:] = 0.0
         rotation = winkler
     return rotation, winkler
 
@@ -726,8 +672,7 @@ def _solve(n: Any, torque: float, arm: Any, local: Any, linear: bool, mask: Any,
             for a in range(n.modes):
                 amplitudes += n.amplitudes[a]
             if not (isfinite(rotation) and isfinite(amplitudes)):
-                for a in range(n.modes):
-                    n.amplitudes[a] = 0.0
+                n.amplitudes[:] = 0.0
                 rotation = winkler
             for x in range(total):
                 n.local[x] = n.force[x]
@@ -744,8 +689,7 @@ def _answer(
     cancel in W, which leave more rounding than its diagonal tells.
     """
     columns = n.given.shape[0]
-    for t in range(columns):
-        n.given[t] = 0.0
+    n.given[:] = 0.0
     for x in range(n.size):
         if linear:
             n.separation[x] = n.pull[x] if n.root[x] > 0.0 else 0.0  # never -0

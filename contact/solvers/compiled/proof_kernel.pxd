@@ -2,7 +2,7 @@ cimport cython
 from libc.math cimport ilogb, isfinite, ldexp, sqrt
 
 cdef double INFINITY, CANCELLATION_FLOOR, UNIT_ROUNDOFF, SPLITTER, UNDERFLOW, ERROR_FREE, PLAIN
-cdef int MAX_CHANGES
+cdef int MAX_CHANGES, MAX_WINKLER_STEPS
 
 cdef double _product_error(double one, double other, double product) noexcept nogil
 
@@ -17,6 +17,11 @@ cdef bint _shift(
 )
 cpdef (double, double, double) first_contact(
     const double[::1] separation, const double[::1] arm, double[::1] shifted
+) noexcept nogil
+
+@cython.locals(top=double, bottom=double, rotation=double, turned=double)
+cpdef double winkler_rotation(
+    const double[::1] stiff, const double[::1] separation, const double[::1] arm, Py_ssize_t total, double torque
 ) noexcept nogil
 
 @cython.locals(

@@ -1,8 +1,8 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
 # cython: annotation_typing=False, infer_types=True
-"""Proof of an answer: the first contact of the rigid bodies, and the violations of its conditions.
+"""What a solution begins and ends with: the first contact of the rigid bodies, springs without coupling, and the proof.
 
-Compiled. The methods are those of ``first_contact``, ``error_free``, ``certificate`` and ``certificate``.
+Compiled. The methods are those of ``first_contact``, ``error_free`` and ``certificate``.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ if not cython.compiled:
 
 INFINITY = math.inf
 MAX_CHANGES = 4
+MAX_WINKLER_STEPS = 60
 CANCELLATION_FLOOR = 1e-5
 UNIT_ROUNDOFF, SPLITTER, UNDERFLOW = 2.0**-53, 134217729.0, 1e-318
 ERROR_FREE, PLAIN = 2.0**-103, 2.0**-51
@@ -94,6 +95,31 @@ def first_contact(separation: Any, arm: Any, shifted: Any) -> tuple[float, float
     product = rotation * lever
     remainder = ((touching - product) - _product_error(rotation, lever, product)) / lever
     return rotation, remainder if isfinite(remainder) else 0.0, error
+
+
+def winkler_rotation(stiff: Any, separation: Any, arm: Any, total: int, torque: float) -> float:
+    """Rotation at which springs without coupling balance the torque, from above: a convex function of one number."""
+    top, bottom = torque, 0.0
+    for x in range(total):
+        if arm[x] > 0.0:
+            weight = stiff[x] * arm[x]
+            top += weight * separation[x]
+            bottom += weight * arm[x]
+    rotation = top / bottom
+    for _step in range(MAX_WINKLER_STEPS):
+        top, bottom = torque, 0.0
+        for x in range(total):
+            if arm[x] > 0.0 and rotation * arm[x] > separation[x]:
+                weight = stiff[x] * arm[x]
+                top += weight * separation[x]
+                bottom += weight * arm[x]
+        if not bottom > 0.0:
+            break
+        turned = top / bottom
+        if not turned < rotation * (1.0 - 1e-3):
+            break
+        rotation = turned
+    return rotation
 
 
 def certificate(

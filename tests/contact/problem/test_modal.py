@@ -22,7 +22,7 @@ from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.loaded import LoadedCase
 from easeoff.contact.problem.compliance_matrix import ModalCompliance
-from easeoff.contact.problem.modal_basis import factor_blocks, modal_basis
+from easeoff.contact.problem.modal_basis import block_labels, modal_basis
 from easeoff.contact.solvers import problem_batch
 from easeoff.contact.solvers.compiled import compiled_answer
 from easeoff.contact.solvers.compiled.compiled_answer import (
@@ -103,7 +103,7 @@ def test_blocks_of_a_shuffled_factor_are_found_again(shapes: list[tuple[int, int
         row, column = row + height, column + breadth
     order = rng.permutation(size)
     factor, owner = factor[order][:, rng.permutation(width)], owner[order]
-    found = factor_blocks(factor)
+    found = block_labels(factor).blocks
     assert len(found) == len(set(owner))
     assert sorted(np.concatenate([rows for rows, _ in found])) == list(range(size))
     for rows, columns in found:
@@ -115,11 +115,11 @@ def test_blocks_of_a_shuffled_factor_are_found_again(shapes: list[tuple[int, int
 
 def test_blocks_joined_by_one_entry_are_one() -> None:
     factor = np.kron(np.eye(3), np.ones((4, 2))).astype(np.float64)
-    assert len(factor_blocks(factor)) == 3
+    assert len(block_labels(factor).blocks) == 3
     factor[0, 2] = 1e-300
-    assert [rows.size for rows, _ in factor_blocks(factor)] == [8, 4]
+    assert [rows.size for rows, _ in block_labels(factor).blocks] == [8, 4]
     chain = (np.eye(50) + np.eye(50, k=1)).astype(np.float64)
-    assert len(factor_blocks(chain)) == 1
+    assert len(block_labels(chain).blocks) == 1
 
 
 @pytest.mark.parametrize("size", [10, 60, 500])

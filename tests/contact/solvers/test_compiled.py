@@ -24,10 +24,18 @@ from easeoff.contact.evaluation import least_gap_kernel
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.lines import tensor_spline
 from easeoff.contact.lines.tensor_spline import TensorSpline
-from easeoff.contact.problem.compliance_matrix import ModalCompliance
-from easeoff.contact.problem.modal_basis import ModalBasis, modal_basis
-from easeoff.contact.solvers.compiled import compiled_answer, newton_kernel
-from easeoff.contact.solvers.compiled.compiled_answer import line_contact_answers, linear_answer
+from easeoff.contact.problem import modal_basis as modal_basis_module, mode_kernel
+from easeoff.contact.problem.compliance_matrix import ModalCompliance, compliance_matrix
+from easeoff.contact.problem.modal_basis import ModalBasis, block_labels, modal_basis, mode_columns
+from easeoff.contact.solvers.compiled import compiled_answer, dense_kernel, newton_kernel
+from easeoff.contact.solvers.compiled.compiled_answer import (
+    LARGEST_DENSE,
+    LARGEST_FORMED,
+    dense_answer,
+    is_small,
+    line_contact_answers,
+    linear_answer,
+)
 from easeoff.contact.solvers.compiled.proof_kernel import certificate
 from easeoff.contact.solvers.parametric.touching_form import touching_stiffness
 from easeoff.core.kernels import kernel, source_digest
@@ -214,6 +222,38 @@ def test_proof_is_on_the_factor_as_given() -> None:
     assert linear_answer(problem) is None or not linear_answer(problem).answer.certificate.passes()  # type: ignore[union-attr]
 
 
+@pytest.mark.parametrize("size", [1, 2, 3, 17, 60, 99])
+def test_active_set_of_a_small_matrix_is_that_of_the_plain_method(size: int) -> None:
+    """Of a matrix that is given, and of one that is formed."""
+    for phase in (-0.9, -0.2, 0.4):
+        for torque in (1e2, 1e6, 1e8):
+            given = lines(size, phase, torque)
+            wide = np.hstack([given.compliance[1]] * -(-size // 16)) / size
+            for compliance in (given.dense_compliance, (given.compliance[0], wide)):
+                problem = ContactProblem(given.separation, given.lever_arm, torque, compliance)
+                assert is_small(problem.compliance_matrix, size)
+                found, other = dense_answer(problem), solve(problem, method="primal_dual_active_set")
+                assert found is not None
+                assert np.abs(found.answer.force - other.force).max() <= 1e-11 * other.force.max()
+                assert found.answer.elastic_rotation == pytest.approx(other.elastic_rotation, rel=1e-12)
+                assert found.answer.certificate.worst <= 1e-12
+                warm = dense_answer(problem, found.answer.force > 0.0)
+                assert warm is not None
+                assert warm.iterations == 1
+                assert solve(problem).method == "primal_dual_active_set"
+
+
+def test_large_and_indefinite_matrices_are_not_for_the_compiled_active_set() -> None:
+    problem = lines(LARGEST_DENSE + 1, 0.0)
+    assert not is_small(compliance_matrix(problem.dense_compliance, problem.size), problem.size)
+    assert not is_small(problem.compliance_matrix, problem.size)
+    assert not is_small(modal(lines(40, 0.0)).compliance_matrix, 40)
+    indefinite = ContactProblem(np.zeros(2), np.full(2, 40.0), 1e4, np.array([[1e-6, 2e-6], [2e-6, 1e-6]]))
+    assert dense_answer(indefinite) is None
+    assert dense_answer(ContactProblem(np.zeros(2), np.full(2, 40.0), 0.0, np.diag([1e-6, 1e-6]))) is None
+    assert solve(indefinite).status is Status.NOT_POSITIVE_SEMIDEFINITE
+
+
 # Line contact
 
 
@@ -283,6 +323,50 @@ def assert_same_bits(given: ContactProblem, law: Array, torques: Array, mask: ND
         bits_of(newton_kernel, given, law, torques, mask), bits_of(source, given, law, torques, mask), strict=True
     )
     for mine, other in pairs:
+        np.testing.assert_array_equal(mine, other)
+
+
+@pytest.mark.parametrize("count", [2, pytest.param(30, marks=pytest.mark.thorough)])
+@pytest.mark.parametrize("name", PROBLEM_CLASSES)
+def test_dense_problems_have_the_bits_of_the_source(name: str, count: int) -> None:
+    source = kernels.in_python("easeoff.contact.solvers.compiled.dense_kernel")
+    for given in problems(name, count, 11):
+        size, matrix = given.size, given.dense_compliance.reshape(-1)
+        for start in (None, np.arange(size) % 3 == 0):
+            found = []
+            for one in (dense_kernel, source):
+                room, places = np.zeros((size + 4) * (size + 9)), np.zeros(2 * size, dtype=np.int64)
+                places[:size] = 0 if start is None else start
+                result = np.full(size, np.nan), np.full(size, np.nan), np.full(10, np.nan)
+                with np.errstate(all="ignore"):
+                    steps = one.solve_dense(
+                        matrix, 3, given.torque, given.separation, given.lever_arm, start is not None, room, places,
+                        *result,
+                    )  # fmt: skip
+                found.append((steps, *(result if steps else ())))
+            for mine, other in zip(*found, strict=True):
+                np.testing.assert_array_equal(mine, other)
+
+
+@pytest.mark.parametrize("size", [1, 9, 33])
+def test_blocks_and_modes_have_the_bits_of_the_source(size: int) -> None:
+    """With rows and columns of zeros, and shared columns."""
+    source, rng = kernels.in_python("easeoff.contact.problem.mode_kernel"), np.random.default_rng(size)
+    smooth = rng.standard_normal((size, 3)) @ rng.standard_normal((3, 7))
+    factor = np.zeros((2 * size + 2, 15))
+    factor[:size, 1:8], factor[size : 2 * size, 8:14] = smooth, rng.standard_normal((size, 6))
+    shared = rng.standard_normal((2 * size + 2, 2))
+    found = []
+    for kernel_functions in (mode_kernel, source):
+        with pytest.MonkeyPatch.context() as patch:
+            for name in ("label_blocks", "arrange"):
+                patch.setattr(modal_basis_module, name, getattr(kernel_functions, name))
+            labels = block_labels(factor)
+            compressed = [(rows, factor[rows][:, columns]) for rows, columns in labels.blocks]
+            columns = mode_columns(2 * size + 2, compressed, shared, np.ones((3, 2, 2)), shared)
+            found.append([*labels, *columns])
+    assert [block.shape for _, block in compressed] == [(size, 7), (size, 6), (2, 0)]
+    for mine, other in zip(*found, strict=True):
         np.testing.assert_array_equal(mine, other)
 
 
@@ -384,10 +468,10 @@ def test_a_kernel_that_is_not_that_of_its_source_is_refused(tmp_path: Path, monk
         kernel(".one", "stale")
 
 
-def test_no_modes_are_sought_where_there_are_as_many_as_segments(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("size", [24, 120])
+def test_no_modes_are_sought_where_there_are_as_many_as_segments(size: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """The matrix is the smaller form then; with compressed modes the answer is the same."""
     rng = np.random.default_rng(5)
-    size = 24
     along = np.linspace(-1.0, 1.0, size)
     factor = 1e-3 * np.polynomial.legendre.legvander(along, 5) @ rng.uniform(-1.0, 1.0, (6, size))
     given = ContactProblem(0.02 * along**2, np.full(size, 40.0), 8e4, (np.full(size, 2e-6), factor))
@@ -397,7 +481,8 @@ def test_no_modes_are_sought_where_there_are_as_many_as_segments(monkeypatch: py
     assert (solution.certified, solution.method) == (True, "primal_dual_active_set")
     columns = 1e-3 * rng.uniform(-1.0, 1.0, (2, size // 2, size))
     halves = np.block([[columns[0], np.zeros((size // 2, size))], [np.zeros((size // 2, size)), columns[1]]])
-    for factor, method in ((halves, "modal"), (halves + 1e-300, "primal_dual_active_set")):
+    few = "modal" if size > LARGEST_FORMED else "primal_dual_active_set"
+    for factor, method in ((halves, few), (halves + 1e-300, "primal_dual_active_set")):
         blocks = ContactProblem(given.separation, given.lever_arm, given.torque, (given.compliance[0], factor))
         assert solve(blocks).method == method
     other = solve(modal(given))
@@ -410,5 +495,5 @@ def test_no_modes_are_sought_where_there_are_as_many_as_segments(monkeypatch: py
         assert one.times.call == pytest.approx(one.times.setup + one.times.solve)
 
 
-def _refused(_: Array) -> Array:
+def _refused(*_: Array) -> Array:
     raise AssertionError("modes are sought")
