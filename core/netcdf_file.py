@@ -127,10 +127,10 @@ def _computed(content: Content) -> Content:
 
 def _read(path: str | os.PathLike[str], opened: Callable[..., Content], *, square: bool = False) -> Content:
     """Content that a function of xarray opens, read by a process of its own."""
-    # Loaded here, once for all files: both libraries, and what xarray loads to decode the first variable.
+    # Loaded here, once for all files: both libraries, and what xarray loads for the first index and variable.
     for library in ("netCDF4", "h5py"):
         importlib.import_module(library)
-    xr.Variable((), 0).astype(float)
+    xr.DataArray([0], coords={"x": [0]}).astype(float)
 
     def loaded() -> Content:
         with (
