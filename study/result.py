@@ -12,8 +12,7 @@ from ..core.errors import InputError
 from ..core.file_origin import layout_fault, unreadable
 from ..core.netcdf_file import read_tree, tree_or_none, write_netcdf
 from ..core.regular_file import named
-from .result_layout import RESULT_SCHEMA_VERSION, VARIABLES, faults, load_case_faults, require_layout
-from .sweep.sweep_file import MARK
+from .result_layout import RESULT_SCHEMA_VERSION, SWEEP_MARK, VARIABLES, faults, load_case_faults, require_layout
 
 COMPRESSED_SIZE = 4096  # [bytes] from which a variable is compressed: chunks of less take longer, and more room
 #: What reports and pictures are made of.
@@ -105,7 +104,7 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
 
 def checked_result(tree: xr.DataTree, source: Path) -> xr.DataTree:
     """The result that a file holds; raises as ``read_result``, which it ends."""
-    if MARK in tree.attrs:
+    if SWEEP_MARK in tree.attrs:
         raise InputError(f"{source} is of a sweep: easeoff.study.sweep.read_sweep reads it, 'easeoff show' shows it")
     defects = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
     if "easeoff_version" not in tree.attrs or defects == [f"no group {name}" for name in VARIABLES]:
@@ -120,7 +119,7 @@ def checked_result(tree: xr.DataTree, source: Path) -> xr.DataTree:
 
 def kind_of(given: xr.DataTree | xr.Dataset) -> str:
     """Kind of what is given: ``result``, ``sweep``, ``V-H check`` or ``wear``."""
-    if MARK in given.attrs:
+    if SWEEP_MARK in given.attrs:
         return "sweep"
     if isinstance(given, xr.Dataset):
         return "wear" if "wear_depth" in given else "V-H check" if "print_excess" in given else "other"

@@ -27,15 +27,7 @@ from easeoff.core.errors import how_to_install
 ORDER = {
     "": ROOMS,
     "geometry": (
-        "vectors",
-        "newton",
-        "monotone_curve",
-        "cutting",
-        "flanks",
-        "pair",
-        "tooth",
-        "design",
-        "deviation",
+        *("vectors", "newton", "monotone_curve", "cutting", "flanks", "pair", "tooth", "design", "deviation"),
         "formats",
     ),
     "contact": (
