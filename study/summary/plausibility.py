@@ -363,7 +363,8 @@ def axial_face(tree: xr.DataTree, member: str) -> tuple[float, float]:
 
 def _other_pair(tree: xr.DataTree) -> list[str]:
     """Shipped supports bear the name of their case: ``axle-fm-11x41``."""
-    from ...cases.reading import read_case, shipped_cases, shipped_supports  # most pairs have none
+    from ...cases.reading import read_case  # most pairs have none
+    from ...cases.shipped_files import shipped_cases, shipped_supports
 
     name = str(tree.attrs.get("supports_name", ""))
     if name not in shipped_supports():
