@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..contact.evaluation.pressure_map import LineEnd
-from ..contact.solvers import Status
+from ..contact.outcomes import LineEnd, Status
 from ..contact.supports.assembly_rounds import RoundsStatus
 from ..core.attributes import StoredStatus, units_of
 from ..core.checks import shown

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.checks import frozen_arrays
-from ...geometry.tooth.tooth_flanks import MemberName
+from ...geometry.pair.member_names import MemberName
 
 
 @frozen_arrays

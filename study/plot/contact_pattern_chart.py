@@ -26,7 +26,7 @@ from ...contact.evaluation.carrying_error import CarryingError
 from ...contact.evaluation.flank_region import FlankRegion
 from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
-from ...contact.solvers import Status
+from ...contact.outcomes import Status
 from ...core.arrays import Array
 from .mesh_cycle_charts import draw_surface, pressure_levels
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, legend_at_foot, panel_titles, torque_name

@@ -31,7 +31,7 @@ from ...contact.evaluation.tooth_passage import (
     two_cycles,
     unloaded_curves,
 )
-from ...contact.solvers import Status
+from ...contact.outcomes import Status
 from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...geometry.pair.gear_pair import MEMBERS

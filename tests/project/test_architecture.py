@@ -31,7 +31,8 @@ ORDER = {
         "formats",
     ),
     "contact": (
-        *("problem", "solvers", "lines", "compliance", "line_contact", "mesh_wrench", "segments", "loaded", "supports"),
+        *("outcomes", "problem", "solvers", "lines", "compliance", "line_contact", "mesh_wrench", "segments", "loaded"),
+        "supports",
     ),
     # Studies return labelled data; what shows them stands above, the commands on top.
     "study": (
