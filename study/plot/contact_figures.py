@@ -15,9 +15,6 @@ from typing import TYPE_CHECKING, overload
 import xarray as xr
 
 from ...core.errors import InputError
-from ...geometry.deviation.corrective_settings import Correction
-from ...geometry.tooth.tooth_flanks import MemberName
-from ..case_correction import CaseCorrection
 from .drawing_style import drawing
 from .drawn_result import require_result, views
 from .picture_files import FORMATS
@@ -25,6 +22,9 @@ from .picture_files import FORMATS
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from ...geometry.deviation.corrective_settings import Correction
+    from ...geometry.pair.member_names import MemberName
+    from ..case_correction import CaseCorrection
     from .drawn_result import AxesChoice, DrawnAxes
 
 
@@ -592,6 +592,8 @@ def topography(
     >>> len(figure.axes)
     2
     """
+    from ...geometry.deviation.corrective_settings import Correction
+
     if not isinstance(correction, Correction):
         raise InputError(
             f"correction = {type(correction).__name__}: must be a Correction, as corrective_settings gives it"

@@ -31,7 +31,6 @@ from ...geometry.tooth.tooth_flanks import MemberName, named_member
 from ..plot.pattern_lines import contact_pattern
 from ..plot.tooth_view import ToothView, fine_grid
 from ..result_layout import GRID
-from ..summary.correction_report import assembly_rows, assembly_title, terms
 from ..summary.quantities import written
 from .cycle_charts import chart
 from .packed_array import packed, packed_exactly
@@ -306,6 +305,8 @@ def modification_part(tree: xr.DataTree) -> dict[str, Any] | None:
     """Modification of the ease-off as a raster and a table, and what an optimization reached; ``None`` without one."""
     if "modification" not in tree.children:
         return None
+    from ..summary.correction_report import assembly_rows, assembly_title, terms  # most results have none
+
     surface = tree["modification"].to_dataset()
     part: dict[str, Any] = {
         "raster": packed(_fine(ordered(surface, "modification", *GRID))),
