@@ -2,7 +2,8 @@
 
 Usage: python benchmarks/repeated_analysis.py [REPETITIONS]
 
-Least time of all repetitions, BLAS on one thread, as seconds and as a share of the analysis with shells on lines.
+Least time of all repetitions, BLAS on one thread: as seconds, as a share of the analysis with shells on lines, and in
+units of a process that imports numpy, which is measured in the same run.
 """
 
 from __future__ import annotations
@@ -18,7 +19,6 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from itertools import count
-from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -35,7 +35,20 @@ from tabulate import tabulate
 CASE = "fm-11x41"
 GRID = (51, 31)
 ERRORS = Misalignment(0.1, -0.1, 0.05, 0.001)
-COMMANDS = ("--help", "cases", "show {0}/result.nc", f"run {CASE} -o {{0}}/result.nc")
+PROGRAM = "from easeoff.study.cli import program; program()"
+#: What commands are compared with, and the commands; {0} stands for a folder. The first ``run`` makes a result to show.
+IMPORTS = ("import numpy", "import xarray")
+COMMANDS = (
+    f"run {CASE} -o {{0}}/result.nc",
+    f"run {CASE} -o {{0}}/drawn.nc --plots {{0}}/pictures",
+    "show {0}/result.nc",
+    "report {0}/result.nc -o {0}/report.html",
+    f"sheet {CASE} -o {{0}}/sheet.html",
+    f"vh {CASE} -o {{0}}/vh.nc",
+    "design fh-design-a -o {0}/case.toml --force",
+    "cases",
+    "--help",
+)
 
 
 def forget() -> None:
@@ -92,22 +105,24 @@ def tasks() -> Iterator[tuple[str, Callable[[], Any]]]:
 
 
 def processes(repetitions: int) -> Iterator[tuple[str, float]]:
-    """Processor time of commands as processes [s], least of all."""
-    program = [sys.executable, "-c", "from easeoff.study.cli import program; program()"]
+    """Processor time of imports and commands as processes [s], least of all."""
     # As users have it: modules are compiled once.
     environment = {name: value for name, value in os.environ.items() if name != "PYTHONDONTWRITEBYTECODE"}
+
+    def spent(words: list[str]) -> float:
+        before = os.times()
+        subprocess.run([sys.executable, "-c", *words], check=True, capture_output=True, env=environment)
+        after = os.times()
+        return after.children_user + after.children_system - before.children_user - before.children_system
+
     with TemporaryDirectory() as folder:
-        for words in reversed(COMMANDS):
-            command = [*program, *words.format(Path(folder)).split()]
-
-            def spent(command: list[str] = command) -> float:
-                before = os.times()
-                subprocess.run(command, check=True, capture_output=True, env=environment)
-                after = os.times()
-                used = after.children_user + after.children_system
-                return used - before.children_user - before.children_system
-
-            yield f"easeoff {words.split(' {')[0].replace(' -o', '')}", min(spent() for _ in range(repetitions + 1))
+        named = {imported: [imported] for imported in IMPORTS}
+        named |= {
+            f"easeoff {command.replace(' --force', '').replace('{0}/', '')}": [PROGRAM, *command.format(folder).split()]
+            for command in COMMANDS
+        }
+        for name, words in named.items():
+            yield name, min(spent(words) for _ in range(repetitions + 1))
 
 
 def main() -> None:
@@ -116,9 +131,9 @@ def main() -> None:
     print(f"{CASE}, {platform.machine()}, Python {platform.python_version()}, numpy {np.__version__}\n")
     rows = [(name, least(work, repetitions)) for name, work in tasks()]
     rows += processes(max(repetitions // 3, 1))
-    whole = rows[0][1]
-    shares = [(name, seconds, seconds / whole) for name, seconds in rows]
-    print(tabulate(shares, headers=["", "s", "share"], floatfmt=("", ".4f", ".2f")))
+    whole, unit = rows[0][1], dict(rows)[IMPORTS[0]]
+    shares = [(name, seconds, seconds / whole, seconds / unit) for name, seconds in rows]
+    print(tabulate(shares, headers=["", "s", "share", "import numpy"], floatfmt=("", ".4f", ".2f", ".1f")))
 
 
 if __name__ == "__main__":

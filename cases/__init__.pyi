@@ -10,9 +10,6 @@ from .reading import (
     read_case as read_case,
     read_design as read_design,
     read_supports as read_supports,
-    shipped_cases as shipped_cases,
-    shipped_designs as shipped_designs,
-    shipped_supports as shipped_supports,
     with_supports as with_supports,
 )
 from .rexs.rexs_reading import read_rexs as read_rexs
@@ -22,6 +19,11 @@ from .schema.design_schema import Design as Design
 from .schema.load_case_table import LoadCase as LoadCase
 from .schema.supports_table import SupportsTable as SupportsTable
 from .session_script import read_session_script as read_session_script
+from .shipped_files import (
+    shipped_cases as shipped_cases,
+    shipped_designs as shipped_designs,
+    shipped_supports as shipped_supports,
+)
 from .support_conversion import support_system as support_system
 from .writing import case_toml as case_toml, write_case as write_case
 

@@ -7,14 +7,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, get_args
 
-from ..contact.compliance import ElasticFoundation, Material
-from ..contact.compliance.elastic_model import ElasticModel
-from ..contact.compliance.finite_elements.finite_element_tooth import (
-    FiniteElementTooth,
-    finite_element_tooth,
-    solid_shell_tooth,
-)
-from ..contact.compliance.finite_elements.tooth_ring import ToothBody
 from ..core.checks import instance, one_of, two_whole
 from ..core.errors import GeometryError, InputError
 from ..geometry.cutting.blade import Blade, BladeSide, Relief
@@ -24,9 +16,8 @@ from ..geometry.cutting.named_settings import MACHINE_STEPS, MachineResolution
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly, Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
+from ..geometry.pair.member_names import MemberName
 from ..geometry.pair.tooth_thickness import mean_cone_distances, mid_flank_thickness
-from ..geometry.tooth.tooth_flanks import MemberName
-from ..geometry.tooth.tooth_lattice import Web
 from .deflections import Deflections, misalignment_at
 from .schema.blank_design_table import BlankDesignTable
 from .schema.case_schema import (
@@ -45,7 +36,10 @@ from .schema.cutting_table import ANGULAR_MOTIONS, RELIEFS, FlankSettings, Machi
 from .schema.design_schema import CutterStepsTable, Design, LimitsTable, ResolutionTable
 from .schema.schema_table import in_radians
 
-if TYPE_CHECKING:  # what a design needs is imported for one
+if TYPE_CHECKING:  # what a design or elastic teeth need is imported for them
+    from ..contact.compliance import Material
+    from ..contact.compliance.elastic_model import ElasticModel
+    from ..contact.compliance.finite_elements.finite_element_tooth import FiniteElementTooth
     from ..geometry.design.blank import BlankDesign, BlankDimensions
     from ..geometry.design.closest_fit import StandardSteps
     from ..geometry.design.pinion_method import SettingLimits
@@ -205,6 +199,8 @@ def machine_resolution(table: ResolutionTable) -> MachineResolution:
 
 def materials(case: Case) -> tuple[Material, Material]:
     """Materials of pinion and gear."""
+    from ..contact.compliance import Material
+
     pinion, gear = (
         Material(member.material.elastic_modulus, member.material.poisson_ratio) for member in (case.pinion, case.gear)
     )
@@ -218,6 +214,10 @@ def finite_elements(
     table = case.compliance
     if table.model == "shell":
         return None
+    from ..contact.compliance.finite_elements.finite_element_tooth import finite_element_tooth, solid_shell_tooth
+    from ..contact.compliance.finite_elements.tooth_ring import ToothBody
+    from ..geometry.tooth.tooth_lattice import Web
+
     make = finite_element_tooth if table.model == "fe" else solid_shell_tooth
     what = "finite elements" if table.model == "fe" else "solid shell"
 
@@ -235,6 +235,9 @@ def finite_elements(
 
 def elastic_model(case: Case, teeth: tuple[FiniteElementTooth, FiniteElementTooth] | None) -> ElasticModel:
     """Elastic model of a case with the teeth from ``finite_elements``, or with shells if they are ``None``."""
+    from ..contact.compliance import ElasticFoundation
+    from ..contact.compliance.elastic_model import ElasticModel
+
     table = case.compliance
     pinion, gear = materials(case)
     foundation = None if table.root == "clamped" else ElasticFoundation(table.root, table.root_factor)

@@ -9,8 +9,6 @@ import os
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib import resources
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
@@ -24,6 +22,7 @@ from .mistakes import refusal
 from .schema.case_schema import Case, refuse_inches
 from .schema.design_schema import Design
 from .schema.supports_table import SupportFile, SupportsTable
+from .shipped_files import CASES, DESIGNS, SUPPORTS, names
 
 #: Key of the thickness that version 1 of a case had in the middle of the flank, and of that in version 2.
 MEAN, MID_FLANK = "mean_normal_circular_thickness", "mid_flank_normal_circular_thickness"
@@ -54,16 +53,12 @@ class FileKind(Generic[Model]):
 
     name: str
     model: type[Model]
-    folder: Traversable
+    folder: Path
     others: Mapping[str, str]  # advice by the name of the other kind; {0} stands for that of the file
-
-    def shipped(self) -> dict[str, str]:
-        """Names and titles of the shipped files, which tests check."""
-        return {name: str(toml_tables(self.find(name)[0], name)["title"]) for name in self.names()}
 
     def names(self) -> list[str]:
         """Names of the shipped files."""
-        return sorted(f.name[:-5] for f in self.folder.iterdir() if f.name.endswith(".toml"))
+        return names(self.folder)
 
     def find(self, name_or_path: str | Path) -> tuple[str, Path | None]:
         """Text of a shipped file (by name) or of a user's file (by path), and the folder of the latter."""
@@ -179,67 +174,21 @@ def _require_possible(found: Case | Design | SupportFile) -> None:
         support_system(found)
 
 
-SHIPPED = resources.files(__package__)
 OF_SUPPORTS = "a file of supports: give it beside a case with --supports {0}"
 OF_CASE = "a case already: analyse it with 'easeoff run {0} -o RESULT'"
 OF_DESIGN = "a design: make a case of it with 'easeoff design {0} -o CASE'"
-CASE = FileKind("case", Case, SHIPPED, {"design": OF_DESIGN, "support": OF_SUPPORTS})
-DESIGN = FileKind("design", Design, SHIPPED.joinpath("designs"), {"case": OF_CASE, "support": OF_SUPPORTS})
+CASE = FileKind("case", Case, CASES, {"design": OF_DESIGN, "support": OF_SUPPORTS})
+DESIGN = FileKind("design", Design, DESIGNS, {"case": OF_CASE, "support": OF_SUPPORTS})
 SUPPORT = FileKind(
     "support",
     SupportFile,
-    SHIPPED.joinpath("supports"),
+    SUPPORTS,
     {
         "case": "a case: give a file of supports, or the tables in the case",
         "design": "a design: give a file of supports",
     },
 )
 KINDS: tuple[FileKind[Any], ...] = (CASE, DESIGN, SUPPORT)
-
-
-def shipped_cases() -> dict[str, str]:
-    """Names and titles of the cases that come with the package.
-
-    Examples
-    --------
-    >>> "nasa-12x36" in shipped_cases()
-    True
-    """
-    return CASE.shipped()
-
-
-def shipped_designs() -> dict[str, str]:
-    """Names and titles of the designs that come with the package.
-
-    Examples
-    --------
-    >>> "fm-11x41" in shipped_designs()
-    True
-    """
-    return DESIGN.shipped()
-
-
-def shipped_supports() -> dict[str, str]:
-    """Names and titles of the supports that come with the package.
-
-    Examples
-    --------
-    >>> list(shipped_supports())
-    ['axle-fm-11x41', 'gearbox-nasa-12x36']
-    """
-    return SUPPORT.shipped()
-
-
-def shipped_deviations() -> list[str]:
-    """Names of the measured grids that come with the package.
-
-    Examples
-    --------
-    >>> shipped_deviations()[-1]
-    'fm-11x41-worn-pinion'
-    """
-    folder = SHIPPED.joinpath("deviations")
-    return sorted(f.name.removesuffix(".csv") for f in folder.iterdir() if f.name.endswith(".csv"))
 
 
 def case_text(name_or_path: str | Path) -> str:

@@ -80,12 +80,12 @@ class ReadingEndedError(InputError):
 
 def read_tree(path: str | os.PathLike[str]) -> xr.DataTree:
     """All groups of a netCDF file, in memory; the file is closed again. A file that declares too much is refused."""
-    return _read(path, xr.open_datatree)
+    return _read(path, whole_tree)
 
 
 def read_dataset(path: str | os.PathLike[str], *, square: bool = False) -> xr.Dataset:
     """Outermost group of a netCDF file, in memory; with ``square`` a variable may have one dimension twice."""
-    return _read(path, xr.open_dataset, square=square)
+    return _read(path, group_dataset, square=square)
 
 
 def tree_or_none(path: str | os.PathLike[str], *, square: bool = False) -> xr.DataTree | None:
@@ -94,7 +94,7 @@ def tree_or_none(path: str | os.PathLike[str], *, square: bool = False) -> xr.Da
     ReadingEndedError if the process that read it ended without a result.
     """
     try:
-        return _read(path, xr.open_datatree, square=square)
+        return _read(path, whole_tree, square=square)
     except ReadingEndedError:
         raise
     except InputError:
@@ -125,29 +125,46 @@ def _computed(content: Content) -> Content:
     return xr.DataTree.from_dict(groups, name=content.name)
 
 
-def _read(path: str | os.PathLike[str], opened: Callable[..., Content], *, square: bool = False) -> Content:
-    """Content that a function of xarray opens, read by a process of its own."""
-    # Loaded here, once for all files: both libraries, and what xarray loads to decode the first variable.
+def whole_tree(file: Any) -> xr.DataTree:
+    """Tree of all groups of an open netCDF file, in memory."""
+    groups, waiting = {}, [file]
+    while waiting:
+        group = waiting.pop()
+        groups[group.path] = group_dataset(group)
+        waiting += reversed(group.groups.values())
+    return xr.DataTree.from_dict(groups)
+
+
+def group_dataset(group: Any) -> xr.Dataset:
+    """Dataset of a group of an open netCDF file, in memory."""
+    store = xr.backends.NetCDF4DataStore(group)  # type: ignore[no-untyped-call]
+    return xr.open_dataset(store, engine="store", decode_times=False, decode_timedelta=False).compute()
+
+
+def _read(path: str | os.PathLike[str], content: Callable[[Any], Content], *, square: bool = False) -> Content:
+    """What a function takes from an open netCDF file, in a process of its own."""
+    # Loaded here, once for all files: both libraries, and what xarray loads for the first index and variable.
     for library in ("netCDF4", "h5py"):
         importlib.import_module(library)
-    xr.Variable((), 0).astype(float)
+    xr.DataArray([0], coords={"x": [0]}).astype(float)
 
-    def loaded() -> Content:
-        with (
-            _reading(path, square=square),
-            opened(os.path.abspath(path), engine="netcdf4", decode_times=False, decode_timedelta=False) as content,
-        ):
-            return _computed(content)
+    def read() -> Content:
+        with _opened(path, square=square) as file:
+            found = content(file)
+        found.encoding["source"] = os.path.abspath(path)  # as xarray does
+        return found
 
     try:
-        return in_forked_process(loaded)
+        return in_forked_process(read)
     except ProcessEndedError as error:
         raise ReadingEndedError(f"{named(path)} is not a netCDF file, or it is damaged: {error}") from error
 
 
 @contextlib.contextmanager
-def _reading(path: str | os.PathLike[str], *, square: bool) -> Iterator[None]:
-    """Context in which a file whose header was checked is read: every failure is one message, nothing is warned of."""
+def _opened(path: str | os.PathLike[str], *, square: bool) -> Iterator[Any]:
+    """An open netCDF file whose header was checked: every failure is one message, nothing is warned of."""
+    from netCDF4 import Dataset
+
     limit = unpacked_size_limit()
     require_file(path, limit)
     if not os.path.getsize(path):
@@ -155,8 +172,9 @@ def _reading(path: str | os.PathLike[str], *, square: bool) -> Iterator[None]:
     with faults_in_words(path, "a netCDF file"), warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what an attribute misleads the decoding to shows in the values
         check_links(path)
-        _check_header(path, limit, square=square)
-        yield
+        with Dataset(os.path.abspath(path)) as file:  # of a relative name the library drops leading blanks
+            _check_header(file, path, limit, square=square)
+            yield file
 
 
 def unpacked_size_limit() -> int:
@@ -165,31 +183,28 @@ def unpacked_size_limit() -> int:
     return UNPACKED_SIZE_LIMIT if free is None else min(UNPACKED_SIZE_LIMIT, int(MEMORY_SHARE * free))
 
 
-def _check_header(path: str | os.PathLike[str], limit: int, *, square: bool) -> None:
+def _check_header(file: Any, path: str | os.PathLike[str], limit: int, *, square: bool) -> None:
     """Refuse a file by what its header declares: nested groups, types of its own, dimensions, and sizes."""
-    from netCDF4 import Dataset
-
     size = count = variables = 0
-    with Dataset(os.path.abspath(path)) as file:  # of a relative name the library drops leading blanks
-        waiting: list[tuple[Any, int]] = [(file, 0)]
-        while waiting:
-            group, depth = waiting.pop()
-            count, variables = count + 1, variables + len(group.variables)
-            if depth > GROUP_DEPTH_LIMIT or count > GROUP_COUNT_LIMIT or variables > VARIABLE_COUNT_LIMIT:
+    waiting: list[tuple[Any, int]] = [(file, 0)]
+    while waiting:
+        group, depth = waiting.pop()
+        count, variables = count + 1, variables + len(group.variables)
+        if depth > GROUP_DEPTH_LIMIT or count > GROUP_COUNT_LIMIT or variables > VARIABLE_COUNT_LIMIT:
+            raise InputError(
+                f"{named(path)} has too many groups or variables: more than {GROUP_COUNT_LIMIT} groups, "
+                f"{GROUP_DEPTH_LIMIT} levels of groups or {VARIABLE_COUNT_LIMIT} variables are not read"
+            )
+        if group.cmptypes or group.vltypes or group.enumtypes:
+            raise InputError(f"{named(path)} has data types of its own; numbers and text alone are read")
+        for name, variable in group.variables.items():
+            if not square and len(set(variable.dimensions)) < len(variable.dimensions):
                 raise InputError(
-                    f"{named(path)} has too many groups or variables: more than {GROUP_COUNT_LIMIT} groups, "
-                    f"{GROUP_DEPTH_LIMIT} levels of groups or {VARIABLE_COUNT_LIMIT} variables are not read"
+                    f"{named(path)}: the variable {shortened(repr(str(name)))} has a dimension twice: must have "
+                    "each once"
                 )
-            if group.cmptypes or group.vltypes or group.enumtypes:
-                raise InputError(f"{named(path)} has data types of its own; numbers and text alone are read")
-            for name, variable in group.variables.items():
-                if not square and len(set(variable.dimensions)) < len(variable.dimensions):
-                    raise InputError(
-                        f"{named(path)}: the variable {shortened(repr(str(name)))} has a dimension twice: must have "
-                        "each once"
-                    )
-            size += sum(_unpacked_size(path, variable) for variable in group.variables.values())
-            waiting += [(child, depth + 1) for child in group.groups.values()]
+        size += sum(_unpacked_size(path, variable) for variable in group.variables.values())
+        waiting += [(child, depth + 1) for child in group.groups.values()]
     if size > limit:
         raise InputError(
             f"{named(path)} would take {memory_in_words(size)} in memory, by the sizes that it declares: must be at "

@@ -12,7 +12,7 @@ from typing import Literal, get_args
 import numpy as np
 import xarray as xr
 
-from ..cases.reading import shipped_deviations as shipped_deviations
+from ..cases.shipped_files import shipped_deviations as shipped_deviations
 from ..core.attributes import units_of
 from ..core.checks import instance, one_of
 from ..core.errors import GeometryError, InputError, printable, shortened

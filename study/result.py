@@ -1,4 +1,4 @@
-"""Result of an analysis as a netCDF-4 file, a group a stage."""
+"""Result of an analysis as a netCDF-4 file, a group a stage; the kinds of what files of this package hold."""
 
 from __future__ import annotations
 
@@ -10,11 +10,13 @@ import xarray as xr
 from ..core.checks import file_path, instance
 from ..core.errors import InputError
 from ..core.file_origin import layout_fault, unreadable
-from ..core.netcdf_file import read_tree, write_netcdf
+from ..core.netcdf_file import read_tree, tree_or_none, write_netcdf
 from ..core.regular_file import named
-from .result_layout import RESULT_SCHEMA_VERSION, VARIABLES, faults, load_case_faults
+from .result_layout import RESULT_SCHEMA_VERSION, SWEEP_MARK, VARIABLES, faults, load_case_faults, require_layout
 
 COMPRESSED_SIZE = 4096  # [bytes] from which a variable is compressed: chunks of less take longer, and more room
+#: What reports and pictures are made of.
+ACCEPTED = "'easeoff run', 'modify', 'optimize', 'wear' or 'vh'"
 #: What netCDF files of other commands are, by a variable that no result has.
 OTHER_KINDS = {
     "print_excess": "of 'easeoff vh', for 'easeoff show', 'plot' and 'report'",
@@ -102,7 +104,7 @@ def read_result(path: str | os.PathLike[str]) -> xr.DataTree:
 
 def checked_result(tree: xr.DataTree, source: Path) -> xr.DataTree:
     """The result that a file holds; raises as ``read_result``, which it ends."""
-    if "sweep_schema_version" in tree.attrs:
+    if SWEEP_MARK in tree.attrs:
         raise InputError(f"{source} is of a sweep: easeoff.study.sweep.read_sweep reads it, 'easeoff show' shows it")
     defects = load_case_faults(tree) if "load_cases" in tree.children else faults(tree)
     if "easeoff_version" not in tree.attrs or defects == [f"no group {name}" for name in VARIABLES]:
@@ -113,3 +115,40 @@ def checked_result(tree: xr.DataTree, source: Path) -> xr.DataTree:
     if defects:
         raise unreadable(source, tree.attrs, defects, "easeoff run CASE -o FILE")
     return tree
+
+
+def kind_of(given: xr.DataTree | xr.Dataset) -> str:
+    """Kind of what is given: ``result``, ``sweep``, ``V-H check`` or ``wear``."""
+    if SWEEP_MARK in given.attrs:
+        return "sweep"
+    if isinstance(given, xr.Dataset):
+        return "wear" if "wear_depth" in given else "V-H check" if "print_excess" in given else "other"
+    return "result"
+
+
+def read_given(path: Path) -> xr.DataTree | xr.Dataset:
+    """Read a result, a V-H check or wear from its file."""
+    tree = tree_or_none(path)
+    return read_result(path) if tree is None else checked_given(tree, path)
+
+
+def checked_given(tree: xr.DataTree, path: Path) -> xr.DataTree | xr.Dataset:
+    """The same of what a file holds."""
+    dataset = tree.to_dataset()
+    kind = kind_of(dataset)
+    if kind == "other":
+        return checked_result(tree, path)
+    require_kind(str(path), kind)
+    require_layout(str(path), dataset, kind)
+    return dataset
+
+
+def require_kind(name: str, kind: str) -> None:
+    """Refuse what has no pictures."""
+    if kind == "sweep":
+        raise InputError(
+            f"{name}: is of 'easeoff sweep', which keeps numbers and no pictures: must be a result of {ACCEPTED}; "
+            "'easeoff show' and 'easeoff plot' show a sweep"
+        )
+    if kind == "other":
+        raise InputError(f"{name}: must be a result of {ACCEPTED}")

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from ..contact.evaluation.pressure_map import LineEnd
-from ..contact.solvers import Status
+from ..contact.outcomes import LineEnd, Status
 from ..contact.supports.assembly_rounds import RoundsStatus
 from ..core.attributes import StoredStatus, units_of
 from ..core.checks import shown
@@ -18,6 +17,7 @@ from ..core.errors import InputError
 from ..core.regular_file import parsed_json
 
 RESULT_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
+SWEEP_MARK = "sweep_schema_version"  # attribute by which the file of a sweep is known
 MAGNITUDE_LIMIT = 1e30
 Layout = dict[tuple[str, ...], tuple[str, ...]]
 AttributeKind = str | int | tuple[str, ...]  # in words, or the length of a vector, or the texts that it may be

@@ -38,7 +38,7 @@ class _Checked(ModelMetaclass):
 class Table(BaseModel, metaclass=_Checked):
     """A table of a case file: frozen, no unknown keys, no NaN, no text or truth value for a number."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True, defer_build=True)
 
     @model_validator(mode="after")
     def _checked(self) -> Self:

@@ -14,7 +14,7 @@ import xarray as xr
 
 from ...core.arrays import Array, Bools, Integers, record
 from ...core.attributes import ordered
-from ...geometry.tooth.tooth_flanks import MemberName
+from ...geometry.pair.member_names import MemberName
 
 
 @record(frozen=True)

@@ -13,13 +13,17 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import islice
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
 from ...core.arrays import Array, Bools, Integers
-from ...core.attributes import StoredStatus, ordered
-from ..lines.flank_splines import FlankSplines
+from ...core.attributes import ordered
+from ..outcomes import LineEnd as LineEnd
+
+if TYPE_CHECKING:
+    from ..lines.flank_splines import FlankSplines
 
 PRESSURE_TOLERANCE = 1e-4  # over the greatest pressure of a line; less is rounding of a solver
 TIE_TOLERANCE = 1e-9  # over the length of a line
@@ -245,22 +249,6 @@ def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[Integers]:
 LINE_END_SHARE = 0.1  # of a contact line, within which a segment counts as one at its end
 BORDER_SHARE = 0.02  # of a flank, within which a point counts as one at its border
 OVER = ("torque", "mesh_position", "segment")
-
-
-class LineEnd(StoredStatus):
-    """Border of the common flank at which a contact line ends near a segment, or none."""
-
-    INSIDE = 0
-    GEAR_TOE = 1
-    GEAR_HEEL = 2
-    GEAR_ROOT = 3
-    GEAR_TIP = 4
-    PINION_TOE = 5
-    PINION_HEEL = 6
-    PINION_ROOT = 7
-    PINION_TIP = 8
-    FILLET = 9
-    UNKNOWN = 10
 
 
 @dataclass(frozen=True)

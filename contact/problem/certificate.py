@@ -32,6 +32,7 @@ import numpy as np
 from ...core.arrays import RealArray as Array
 from ...core.checks import array, frozen_arrays, instance, shown
 from ...core.errors import InputError
+from ..outcomes import CERTIFICATE_FIELDS as CERTIFICATE_FIELDS
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, OperatorCompliance
 from .contact_problem import ContactProblem
 from .error_free import UNIT_ROUNDOFF, dot_terms, double_double
@@ -293,7 +294,6 @@ class Certificate:
 
 
 #: Names of the violations.
-CERTIFICATE_FIELDS = ("equilibrium", "negative_force", "negative_gap", "complementarity", "duality_gap")
 #: What it says of itself.
 CERTIFICATE_LIMITS = ("resolution", "cancellation")
 #: Certificate of a solve without an answer.

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.arrays import RealArray as Array
-from ...core.attributes import StoredStatus
 from ...core.errors import InputError
+from ..outcomes import Status as Status
 from ..problem.certificate import NO_CERTIFICATE, Answer, Certificate, no_answer
 from ..problem.conditioning import Conditioning, conditioning, unknown_conditioning
 from ..problem.contact_problem import ContactProblem
@@ -26,26 +26,6 @@ if TYPE_CHECKING:
 
 #: Claims of a solver besides the names of `Status` in lower case: a solution, or an exception.
 SOLVED, RAISED = "solved", "raised"
-
-
-class Status(StoredStatus):
-    """End of a solve. Only `CERTIFIED` comes with forces.
-
-    Examples
-    --------
-    >>> Status(0).name, Status.TIME_LIMIT.value
-    ('CERTIFIED', 7)
-    """
-
-    CERTIFIED = 0
-    NOT_CERTIFIED = 1
-    INFEASIBLE = 2
-    UNBOUNDED = 3
-    NOT_POSITIVE_SEMIDEFINITE = 4
-    INVALID_DATA = 5
-    SOLVER_FAILED = 6
-    TIME_LIMIT = 7
-    NOT_CONVERGED = 8
 
 
 #: Ends that a solver reports of itself. What it says of the data is a claim, whatever it says.

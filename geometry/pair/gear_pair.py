@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -19,6 +19,7 @@ from ..flanks.curvature import principal_curvatures
 from ..flanks.flank import Flank, NodeStatus, solve_flank
 from .assembly import Assembly, Misalignment
 from .ease_off import Drift, EaseOff, drift, exact_ease_off
+from .member_names import MEMBERS as MEMBERS, FlankName as FlankName
 from .tooth_body import ShellCoordinates, ToothBody, middle_angle, opposite_surface, tooth_body
 
 #: Fields of an ``EaseOff`` that a result has as they are.
@@ -155,8 +156,6 @@ def teeth_dataset(
     return labelled(xr.Dataset(data, coords=coords))
 
 
-FlankName = Literal["drive", "coast"]
-MEMBERS = ("pinion", "gear")
 DEFAULT_NODES = (31, 21)
 
 

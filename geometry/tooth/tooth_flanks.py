@@ -18,10 +18,10 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import Flank, solve_flank
 from ..pair.gear_pair import MEMBERS, GearPair, Member, tooth_angles
+from ..pair.member_names import MemberName as MemberName
 from ..vectors import rotate_z
 
 Side = Literal["concave", "convex"]
-MemberName = Literal["pinion", "gear"]
 
 
 def side(surface: GeneratingSurface) -> Side:

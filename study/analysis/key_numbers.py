@@ -15,12 +15,11 @@ import numpy as np
 import xarray as xr
 
 from ...contact.evaluation.flank_region import flank_share
-from ...contact.problem.certificate import CERTIFICATE_FIELDS
-from ...contact.solvers import Status
+from ...contact.outcomes import CERTIFICATE_FIELDS, Status
 from ...core.attributes import labelled, ordered
 from ...core.checks import instance
 from ...core.errors import InputError
-from ...geometry.pair.gear_pair import MEMBERS
+from ...geometry.pair.member_names import MEMBERS
 from ..result_layout import GRID, PATTERN
 
 HARMONIC_COUNT = 3  # of the transmission error

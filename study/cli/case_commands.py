@@ -176,14 +176,14 @@ def cases() -> None:
     Cases, designs, supports, lubricants and measured flanks. Each is given by its name, in place of a file.
     """
     quick_start()
-    from ...cases.reading import shipped_cases, shipped_designs, shipped_deviations, shipped_supports
-    from ...friction import available_lubricants, lubricant
+    from ...cases.shipped_files import shipped_cases, shipped_designs, shipped_deviations, shipped_supports, titles
+    from ...friction import lubricants
 
     groups = {
         "cases: easeoff run CASE -o RESULT.nc": shipped_cases(),
         "designs: easeoff design DESIGN -o CASE.toml": shipped_designs(),
         "supports: --supports NAME": shipped_supports(),
-        "lubricants: --oil NAME": {name: lubricant(name).title for name in available_lubricants()},
+        "lubricants: --oil NAME": titles(Path(lubricants.__path__[0])),
         "measured flanks: --deviation MEMBER=NAME": {name: _measured_title(name) for name in shipped_deviations()},
     }
     width = max(len(name) for group in groups.values() for name in group)

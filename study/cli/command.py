@@ -73,16 +73,21 @@ def as_given(text: str) -> str:
     return text
 
 
-def quick_start(*, alone: bool = True) -> None:
-    """Leave out garbage collection and the import of dask, which take a command as long as its work.
+#: Packages that xarray imports where they are installed, for arrays of kinds that no command makes.
+FOREIGN_ARRAYS = ("dask", "pint", "cupy", "sparse")
 
-    With ``alone`` false, as for a solver of somebody else's, dask can be imported.
+
+def quick_start(*, alone: bool = True) -> None:
+    """Leave out garbage collection and what xarray imports for foreign arrays: as long as the work of a command.
+
+    With ``alone`` false, as for a solver of somebody else's, these packages can be imported.
     """
     context = click.get_current_context()
     context.with_resource(without_garbage_collection(at_all=alone and context.obj == PROGRAM))
-    if alone and not {"xarray", "dask"} & sys.modules.keys():  # else dask is known already
-        sys.modules["dask"] = None  # type: ignore[assignment]  # Python's own sign for a package that is not there
-        context.call_on_close(lambda: sys.modules.pop("dask", None))
+    if alone and not {"xarray", *FOREIGN_ARRAYS} & sys.modules.keys():  # else xarray knows them already
+        for package in FOREIGN_ARRAYS:
+            sys.modules[package] = None  # type: ignore[assignment]  # Python's own sign for a package that is not there
+            context.call_on_close(lambda package=package: sys.modules.pop(package, None))
 
 
 def _check_option(ctx: click.Context, option: click.Option, value: Any, count: int) -> None:

@@ -27,8 +27,7 @@ def show(result: Path) -> None:
     """
     quick_start()
     from ...core.netcdf_file import tree_or_none
-    from ..report.report_file import checked_given, kind_of
-    from ..result import read_result
+    from ..result import checked_given, kind_of, read_result
     from ..summary.load_case_summary import holds_problems, load_case_summary, problem_summary
     from ..summary.result_summary import result_summary
     from ..summary.sweep_report import vh_table, wear_summary
@@ -121,7 +120,8 @@ def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     """
     quick_start()
     from ...core.errors import InputError
-    from ..report.report_file import read_given, write_report
+    from ..report.report_file import write_report
+    from ..result import read_given
 
     if output is None:
         if len(results) > 1:

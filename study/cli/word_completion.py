@@ -44,15 +44,14 @@ def words_in_list(names: Callable[[], Iterable[str]]) -> Complete:
 
 
 def _shipped(kind: str) -> Callable[[], list[str]]:
-    """Names of what is shipped of a kind of ``cases.reading``."""
+    """Names of what is shipped of a kind."""
 
-    def names() -> list[str]:
-        from ...cases import reading
+    def known() -> list[str]:
+        from ...cases.shipped_files import CASES, DESIGNS, SUPPORTS, names
 
-        known = {"case": reading.CASE.names, "design": reading.DESIGN.names, "supports": reading.SUPPORT.names}
-        return known[kind]()
+        return names({"case": CASES, "design": DESIGNS, "supports": SUPPORTS}[kind])
 
-    return names
+    return known
 
 
 def _oils() -> list[str]:
@@ -74,7 +73,7 @@ def _models() -> list[str]:
 
 
 def _deviations() -> list[str]:
-    from ...cases.reading import shipped_deviations
+    from ...cases.shipped_files import shipped_deviations
 
     return [f"{member}={name}" for member in ("pinion", "gear") for name in shipped_deviations() if member in name]
 

@@ -19,7 +19,7 @@ from ...contact.evaluation.carrying_error import CarryingError
 from ...contact.evaluation.flank_region import FlankRegion
 from ...contact.evaluation.marking_print import MarkingPrint, checked_thickness
 from ...contact.evaluation.pressure_map import pressure_map
-from ...contact.solvers import Status
+from ...contact.outcomes import Status
 from ...core.arrays import Array
 from ...geometry.tooth.tooth_flanks import MemberName
 from .drawing_style import picture

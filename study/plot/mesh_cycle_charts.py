@@ -27,7 +27,7 @@ from ...contact.evaluation.tooth_passage import (
     two_cycles,
     unloaded_curves,
 )
-from ...contact.solvers import Status
+from ...contact.outcomes import Status
 from ...core.arrays import Array
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName

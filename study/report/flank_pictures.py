@@ -31,7 +31,6 @@ from ..plot.page import evenly_chosen
 from ..plot.pattern_lines import contact_pattern
 from ..plot.tooth_view import ToothView, fine_grid
 from ..result_layout import GRID
-from ..summary.correction_report import assembly_rows, assembly_title, terms
 from ..summary.curves import torque_name, wear_charts
 from ..summary.quantities import written
 from .cycle_charts import packed_chart
@@ -297,6 +296,8 @@ def modification_part(tree: xr.DataTree) -> dict[str, Any] | None:
     """Modification of the ease-off as a raster and a table, and what an optimization reached; ``None`` without one."""
     if "modification" not in tree.children:
         return None
+    from ..summary.correction_report import assembly_rows, assembly_title, terms  # most results have none
+
     surface = tree["modification"].to_dataset()
     part: dict[str, Any] = {
         "raster": packed(_fine(ordered(surface, "modification", *GRID))),

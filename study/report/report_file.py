@@ -14,7 +14,6 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -24,12 +23,11 @@ from ...core.arrays import Array
 from ...core.attributes import ordered
 from ...core.checks import instance
 from ...core.errors import InputError, printable
-from ...core.netcdf_file import tree_or_none
 from ...core.output_file import whole_file
 from ...friction.operation import named_models
 from ..plot.page import evenly_chosen, middle
 from ..plot.tooth_view import tooth_view
-from ..result import checked_result, read_result
+from ..result import ACCEPTED, kind_of, require_kind
 from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, require_layout
 from ..summary import curves
 from ..summary.deflection_report import deflection_tables
@@ -38,7 +36,6 @@ from ..summary.result_summary import head_rows, result_notes
 from ..summary.supports_report import supports_tables
 from ..summary.sweep_report import SIGNS, places_table, reasons, totals
 from ..summary.table import with_signs
-from ..sweep.sweep_file import MARK
 from . import cycle_charts, flank_pictures
 from .mesh_scene import mesh_scene
 from .packed_array import packed
@@ -54,7 +51,6 @@ from .report_tables import (
 from .stored_case import stored_case
 
 RESULT_COUNT_LIMIT = 6  # with pictures in one report
-ACCEPTED = "'easeoff run', 'modify', 'optimize', 'wear' or 'vh'"
 
 
 @dataclass(frozen=True)
@@ -83,7 +79,7 @@ class GivenResults:
                 else:
                     raise InputError(f"{name}: must be a result of {ACCEPTED}")
             else:
-                _require_kind(name, kind)
+                require_kind(name, kind)
                 require_layout(name, one, kind)
                 (parts.checks if kind == "V-H check" else parts.wear)[printable(name)] = one
         if not len(parts.results) <= RESULT_COUNT_LIMIT or not given:
@@ -115,32 +111,6 @@ class GivenResults:
             )
 
 
-def kind_of(given: xr.DataTree | xr.Dataset) -> str:
-    """Kind of what is given: ``result``, ``sweep``, ``V-H check`` or ``wear``."""
-    if MARK in given.attrs:
-        return "sweep"
-    if isinstance(given, xr.Dataset):
-        return "wear" if "wear_depth" in given else "V-H check" if "print_excess" in given else "other"
-    return "result"
-
-
-def read_given(path: Path) -> xr.DataTree | xr.Dataset:
-    """Read a result, a V-H check or wear from its file."""
-    tree = tree_or_none(path)
-    return read_result(path) if tree is None else checked_given(tree, path)
-
-
-def checked_given(tree: xr.DataTree, path: Path) -> xr.DataTree | xr.Dataset:
-    """The same of what a file holds."""
-    dataset = tree.to_dataset()
-    kind = kind_of(dataset)
-    if kind == "other":
-        return checked_result(tree, path)
-    _require_kind(str(path), kind)
-    require_layout(str(path), dataset, kind)
-    return dataset
-
-
 def by_name(results: Sequence[xr.DataTree | xr.Dataset]) -> dict[str, xr.DataTree | xr.Dataset]:
     """Results by flank, or by title if these differ, with a number where they are alike."""
     flanks, titles = ([str(tree.attrs.get(key, "")) for tree in results] for key in ("flank", "title"))
@@ -156,17 +126,6 @@ def _require_whole(name: str, tree: xr.DataTree) -> None:
     if defects:
         words = "; ".join(defects[:FAULT_COUNT_LIMIT])
         raise InputError(f"{name} {DAMAGED}: {words}; make it anew with 'easeoff run' or 'easeoff modify'")
-
-
-def _require_kind(name: str, kind: str) -> None:
-    """Refuse what has no pictures."""
-    if kind == "sweep":
-        raise InputError(
-            f"{name}: is of 'easeoff sweep', which keeps numbers and no pictures: must be a result of {ACCEPTED}; "
-            "'easeoff show' and 'easeoff plot' show a sweep"
-        )
-    if kind == "other":
-        raise InputError(f"{name}: must be a result of {ACCEPTED}")
 
 
 COARSER = 2  # prints of the grid, which are drawn small

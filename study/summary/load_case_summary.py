@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ...contact.problem.exchange.problem_file import FORMAT, read_attributes, read_labels, read_problems
 from ...core.errors import printable, shortened
 from .deflection_report import ERRORS, error_values
 from .plausibility import executed_settings
@@ -116,11 +115,17 @@ TEXT_LIMIT = 100
 
 def holds_problems(dataset: xr.Dataset) -> bool:
     """True if a dataset is that of a file of contact problems."""
-    return str(dataset.attrs.get("format", "")) == FORMAT
+    if "format" not in dataset.attrs:  # no result has one
+        return False
+    from ...contact.problem.exchange.problem_file import FORMAT
+
+    return str(dataset.attrs["format"]) == FORMAT
 
 
 def problem_summary(path: Path) -> str:
     """Content of a file of contact problems, in lines."""
+    from ...contact.problem.exchange.problem_file import read_attributes, read_labels, read_problems
+
     problems, labels, attributes = read_problems(path), read_labels(path), read_attributes(path)
     count, sizes = len(problems), [problem.size for problem in problems]
     structured = sum(problem.is_structured for problem in problems)

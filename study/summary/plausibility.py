@@ -24,11 +24,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.evaluation.flank_region import flank_share
-from ...contact.evaluation.pressure_map import LineEnd, max_inner_pressure
+from ...contact.evaluation.pressure_map import max_inner_pressure
+from ...contact.outcomes import LineEnd
 from ...core.arrays import RealArray as Array
 from ...core.attributes import ROOT_RESOLUTION, ordered
-from ...friction.kolivand_formula import TOLD_THINNING
-from ...geometry.pair.gear_pair import MEMBERS
+from ...geometry.pair.member_names import MEMBERS
 from ..result_layout import CONDITIONS
 from .quantities import roughness_words
 from .supports_report import bearing_loads, towards_heel
@@ -301,6 +301,8 @@ def _temperature(friction: xr.Dataset) -> list[str]:
 
 def _film(friction: xr.Dataset, named: bool) -> list[str]:
     """Sentence on the thinning of the film by heat of the inlet."""
+    from ...friction.kolivand_formula import TOLD_THINNING  # most results have no friction
+
     worst, place = _worst(friction, "film_thinning", TOLD_THINNING)
     if place is None:
         return []
@@ -363,7 +365,8 @@ def axial_face(tree: xr.DataTree, member: str) -> tuple[float, float]:
 
 def _other_pair(tree: xr.DataTree) -> list[str]:
     """Shipped supports bear the name of their case: ``axle-fm-11x41``."""
-    from ...cases.reading import read_case, shipped_cases, shipped_supports  # most pairs have none
+    from ...cases.reading import read_case  # most pairs have none
+    from ...cases.shipped_files import shipped_cases, shipped_supports
 
     name = str(tree.attrs.get("supports_name", ""))
     if name not in shipped_supports():

@@ -13,8 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...contact.evaluation.pressure_map import LineEnd
-from ...contact.solvers import Status
+from ...contact.outcomes import LineEnd, Status
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
 from ..result_layout import CONDITIONS, PATTERN

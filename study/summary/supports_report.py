@@ -10,7 +10,7 @@ import xarray as xr
 
 from ...core.arrays import Array
 from ...core.attributes import ordered
-from ...geometry.pair.gear_pair import MEMBERS
+from ...geometry.pair.member_names import MEMBERS
 from .deflection_report import error_values, misalignment_words
 from .quantities import written
 from .table import Table

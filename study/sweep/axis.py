@@ -18,7 +18,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from ...cases.reading import shipped_deviations
+from ...cases.shipped_files import shipped_deviations
 from ...cases.table_rows import read_table_rows
 from ...core.arrays import RealArray as Array
 from ...core.checks import array, frozen_arrays, instance, number, one_of, shown, whole

@@ -18,6 +18,7 @@ from ..result_layout import (
     MAGNITUDE_LIMIT,
     OF_A_PAIR,
     OPTIONAL_ATTRIBUTES,
+    SWEEP_MARK,
     AttributeKind,
     attribute_faults,
     form_faults,
@@ -103,9 +104,6 @@ def _is_text(values: Any) -> bool:
     )
 
 
-MARK = "sweep_schema_version"  # attribute by which the file of a sweep is known
-
-
 def write_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write the dataset of a sweep to a netCDF-4 file, whole or not at all; missing folders are made."""
     encoding = {
@@ -140,12 +138,12 @@ def read_sweep(path: str | os.PathLike[str]) -> xr.Dataset:
 
 def is_sweep(dataset: xr.Dataset) -> bool:
     """True if a dataset has the mark of a sweep."""
-    return MARK in getattr(dataset, "attrs", ())
+    return SWEEP_MARK in getattr(dataset, "attrs", ())
 
 
 def checked_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> xr.Dataset:
     """The dataset of a sweep as read from a file, with texts as texts; InputError with its faults if not whole."""
-    faults = layout_fault(dataset.attrs, MARK, SWEEP_SCHEMA_VERSION) or sweep_faults(dataset)
+    faults = layout_fault(dataset.attrs, SWEEP_MARK, SWEEP_SCHEMA_VERSION) or sweep_faults(dataset)
     if faults:
         raise unreadable(path, dataset.attrs, faults, "easeoff sweep CASE -o FILE")
     texts = {

@@ -22,8 +22,8 @@ import numpy as np
 import xarray as xr
 
 from ...cases.analysis_size import AnalysisSize
-from ...cases.reading import shipped_deviations
 from ...cases.schema.case_schema import Case
+from ...cases.shipped_files import shipped_deviations
 from ...contact.solvers import require_solver
 from ...core.arrays import Array
 from ...core.checks import instance, shown

@@ -505,7 +505,7 @@ def read_again(tmp_path: Path, files: Path, monkeypatch: pytest.MonkeyPatch) -> 
             found: xr.DataTree | xr.Dataset = from_file(path, opened, **keywords)
             return found
         tree = held[-1]
-        return tree.copy() if opened is xr.open_datatree else tree.to_dataset()
+        return tree.copy() if opened is netcdf_file.whole_tree else tree.to_dataset()
 
     fitted: dict[str, Any] = {}
     fit, write = corrective_settings, easeoff.study.compare.write_comparison

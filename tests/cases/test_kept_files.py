@@ -71,11 +71,11 @@ def read_once() -> Iterator[None]:
 
     @cache
     def content(path: str, _changed: int) -> xr.DataTree:
-        return read(path, xr.open_datatree, square=True)
+        return read(path, netcdf_file.whole_tree, square=True)
 
     def kept_content(path: str | os.PathLike[str], opened: object, **_: bool) -> xr.DataTree | xr.Dataset:
         tree = content(os.path.abspath(path), os.stat(path).st_mtime_ns)
-        return tree.copy() if opened is xr.open_datatree else tree.to_dataset()
+        return tree.copy() if opened is netcdf_file.whole_tree else tree.to_dataset()
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(netcdf_file, "_read", kept_content)
