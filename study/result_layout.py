@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from importlib import resources
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,144 +28,6 @@ CONDITIONS = ("torque", "speed", "temperature", "roughness")
 PATTERN = ("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height")
 PLACES = ("place_lengthwise", "place_profile")
 
-#: Groups of results, V-H checks and wear: dimensions, and the variables over them. Those after + and & need not be
-#: there, but are there together; each of those after ? may be there alone.
-TABLE = """
-[flanks]
-member lengthwise profile xyz: position normal
-member lengthwise profile: inside
-? member lengthwise profile: flank_status
-? member lengthwise profile principal: principal_curvature
-? member lengthwise profile xyz: principal_direction
-[ease_off]
-lengthwise profile: ease_off ease_off_angle roll_angle lever_arm separation_curvature separation_skew inside
-lengthwise profile: blade_distance pinion_lengthwise pinion_profile pinion_lengthwise_rate pinion_profile_rate
-lengthwise profile space: action_position action_normal
-? lengthwise profile: pinion_deviation gear_deviation ease_off_change extrapolated status
-? lengthwise profile: pinion_lengthwise_acceleration pinion_profile_acceleration
-[teeth]
-member lengthwise profile: shell_height shell_arc depth
-? member: fanning trace_length trace_radius
-? member lengthwise profile shell_axis: shell_direction
-? member tooth_end: bulge tooth_height
-? member tooth_end plate_edge: fitted_thickness plate_thickness
-[unloaded]
-pair mesh_position: transmission_error path_lengthwise path_profile
-pair mesh_position end: line_lengthwise line_profile
-mesh_position: transmission_error_envelope carrying_pair pinion_rotation mesh_position
-+ : contact_ratio pinion_peak_to_peak pattern_centre_lengthwise pattern_centre_profile pattern_length pattern_height
-+ : geometric_contact_ratio
-+ pair mesh_position: contact_edge line_length
-+ lengthwise profile: least_gap
-? fine_position: fine_envelope
-[loaded]
-torque mesh_position: transmission_error status equilibrium negative_force negative_gap complementarity duality_gap
-torque mesh_position segment: force pressure gap half_width length equivalent_radius tooth lengthwise profile
-torque mesh_position pair: load_share
-torque: torque peak_to_peak mean_level max_pressure
-mesh_position: mesh_position pinion_rotation
-torque order: harmonic
-+ torque: contact_ratio max_load_share pinion_mean_level pinion_peak_to_peak mean_mesh_stiffness
-& torque: max_pressure_position max_pressure_pair max_pressure_line_end max_pressure_lengthwise max_pressure_profile
-& torque: pattern_centre_lengthwise pattern_centre_profile pattern_length pattern_height
-& torque mesh_position: mesh_stiffness
-+ torque mesh_position segment: overhang
-& torque mesh_position: edge_share
-+ torque: rms
-+ torque: load_centre_lengthwise load_centre_profile load_extent_lengthwise load_extent_profile
-? torque mesh_position: cancellation iterations resolution
-? torque mesh_position segment: lever_arm separation
-[misalignment]
-torque mesh_position: offset pinion_axial gear_axial shaft_angle
-[supports]
-torque mesh_position: transmission_error whole_rotation pinion_support_rotation gear_support_rotation teeth_rotation
-torque mesh_position: contact_rotation supports_rotation ease_off_rotation
-member torque mesh_position space: mesh_force mesh_moment
-member space: reference
-torque: support_rotation rounds last_change rounds_status
-+ bearing torque mesh_position space: bearing_force bearing_moment
-& bearing space: bearing_position
-[friction]
-torque mesh_position segment speed temperature roughness: friction_coefficient
-torque speed temperature roughness: efficiency mean_power_loss mean_sliding_loss mean_rolling_loss
-torque speed temperature roughness: mean_friction_coefficient
-speed: speed
-temperature: temperature temperature_clamped
-roughness: roughness roughness_pinion roughness_gear
-+ torque speed temperature roughness: extrapolated_share
-& formula_flag torque speed temperature roughness: flagged_share
-& formula_flag: formula_flag
-+ torque speed temperature roughness: film_thinning thinned_share
-+ torque speed temperature roughness: transition_share
-+ torque speed temperature roughness: min_film_thickness min_film_lengthwise min_film_profile
-+ torque speed temperature roughness: max_flash_temperature max_flash_lengthwise max_flash_profile
-& torque speed temperature roughness: max_contact_temperature max_pressure_velocity
-+ torque mesh_position segment speed temperature roughness: flash_temperature
-+ mesh_position segment speed: sliding_velocity rolling_velocity
-+ torque mesh_position segment speed temperature roughness: lambda_ratio
-+ torque mesh_position speed temperature roughness: mesh_power_loss mesh_efficiency
-? mesh_position segment: slide_to_roll
-? mesh_position segment speed: sliding_along sliding_across
-? temperature: bulk_temperature viscosity pressure_viscosity
-? torque mesh_position segment speed: pressure_velocity
-? torque mesh_position segment speed temperature: film_thickness
-? torque mesh_position segment speed temperature roughness: formula_flags power_loss force
-? torque mesh_position speed temperature roughness: output_torque energy_balance status
-? torque speed: input_power
-? torque speed temperature roughness: max_flash_position min_film_position
-[modification]
-term: coefficient
-lengthwise profile: modification
-[optimization]
-stage assembly torque: max_line_load max_pressure max_end_load peak_to_peak
-assembly: offset_error pinion_axial_error gear_axial_error shaft_angle_error
-torque: torque
-[root_stress]
-torque member lengthwise: root_stress
-torque member mesh_position pair: root_stress_history
-torque member: max_root_stress
-lengthwise: lengthwise
-[optimal_settings]
-setting: setting_start setting_value
-objective: objective_start
-[front]
-point objective: front_ratio front_value
-point quantity_limit: front_limited front_limit_multiplier
-point setting: front_setting front_found front_low_multiplier front_high_multiplier
-point: front_ceiling front_multiplier front_violation front_converged front_rounding_change front_rounding_loss
-point: front_analyses
-[load_cases]
-load_case: torque status peak_to_peak max_pressure max_pressure_lengthwise pattern_centre_lengthwise
-load_case: pattern_centre_profile pattern_length pattern_height misalignment_offset misalignment_pinion_axial
-load_case: misalignment_gear_axial misalignment_shaft_angle
-[duty]
-flank damage_exponent: equivalent_torque
-load_case damage_exponent: damage_share
-damage_exponent: damage_exponent
-+ : duty_power_loss duty_input_power duty_efficiency
-[V-H check]
-place lengthwise profile: print_excess
-lengthwise: lengthwise
-profile: profile
-plane_axis lengthwise profile: in_plane
-place: v h place_lengthwise place_profile status peak_to_peak pattern_centre_lengthwise pattern_centre_profile
-place: pattern_from pattern_to pattern_height
-: total_v total_h h_over_v
-+ v_grid h_grid lengthwise profile: grid_print_excess
-& v_grid h_grid: grid_pattern_centre_lengthwise grid_pattern_centre_profile
-& v_grid: v_grid
-& h_grid: h_grid
-[wear]
-step member lengthwise profile: wear_depth
-member lengthwise profile xyz: position
-step: revolutions
-torque: torque
-lengthwise: lengthwise
-profile: profile
-step member: largest_depth
-step torque: peak_to_peak max_pressure
-"""
-
 
 class GroupLayout(NamedTuple):
     """Variables of a group: those that it must have, and sets of those that it need not have."""
@@ -181,9 +44,11 @@ class GroupLayout(NamedTuple):
 
 
 def _layouts(table: str) -> dict[str, GroupLayout]:
-    """Layouts by group from a table of the form of ``TABLE``."""
+    """Layouts by group from a table of the form of ``result_layout.txt``."""
     layouts: dict[str, GroupLayout] = {}
-    for row in table.strip().splitlines():
+    for row in table.splitlines():
+        if row.startswith("#"):
+            continue
         if row.startswith("["):
             needed, optional = layouts[row.strip("[]")] = GroupLayout({}, [])
             continue
@@ -200,7 +65,7 @@ def _layouts(table: str) -> dict[str, GroupLayout]:
     return layouts
 
 
-_LAYOUTS = _layouts(TABLE)
+_LAYOUTS = _layouts(resources.files(__package__).joinpath("result_layout.txt").read_text(encoding="utf-8"))
 #: Variables of every result by group and dimensions; of groups computed with the loaded contact, of which older results
 #: lack ``misalignment``; and of groups that not every result has.
 VARIABLES, COMPUTED, GROUPS = (

@@ -8,7 +8,7 @@ after; making it takes a minute.
 - Every version reads the input files of all versions kept, with the same meaning. A key may be added with a default
   that means what its absence meant. A key may get another name only if the old one is still read.
 - Every version reads the results of all versions kept. Groups, variables and attributes may be added: readers take them
-  as optional (``TABLE`` in ``study/result_layout.py``). Name, unit, sign and
+  as optional (``study/result_layout.txt``). Name, unit, sign and
   dimensions of what is there stay.
 - What has to change all the same raises ``RESULT_SCHEMA_VERSION`` or ``SWEEP_SCHEMA_VERSION``. Readers then convert
   older layouts, or refuse them with the version that reads them (``core/file_origin.py``), and the test of that version

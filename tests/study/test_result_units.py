@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from easeoff.core.attributes import VARIABLES
+from easeoff.core.attributes import variables
 
 #: Units of entries that another variable names.
 BY_ENTRY = {"um per setting_units", "1 per setting_units", "1 per limit_units"}
-UNITS = sorted({row[0] for row in VARIABLES.values()} - BY_ENTRY)
+UNITS = sorted({row[0] for row in variables().values()} - BY_ENTRY)
 pint = pytest.importorskip("pint")
 
 
