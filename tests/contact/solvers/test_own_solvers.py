@@ -41,6 +41,7 @@ from easeoff.contact.line_contact.line_contact_solution import solve_line_contac
 from easeoff.contact.problem.complementary_pivoting import lemke
 from easeoff.contact.solvers import backend_solution as backend_solution_module, solver_declaration
 from easeoff.contact.solvers.backend_solution import backend_solution
+from easeoff.contact.solvers.registry import chosen_solver, require_solver
 from easeoff.contact.solvers.solution import ScaledAnswer
 from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
 from easeoff.core import foreign_code as foreign_code_module
@@ -865,3 +866,14 @@ def test_pivoting_needs_no_polish_where_the_compliance_is_nearly_singular(name: 
         solution = solve(problem, "lemke", polish=False)
         assert solution.certificate.worst < 1e-11
         assert solution.elastic_rotation == pytest.approx(solve(problem).elastic_rotation, rel=1e-10)
+
+
+def test_choice_of_a_solver_is_found_once() -> None:
+    """What was found is taken wherever a name is, and is found as itself."""
+    springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, np.diag([1e-6, 1e-6]))
+    for choice, native in (("auto", True), ("native", True), ("osqp", False), (lambda problem: [1.0, 1.0], False)):
+        found = chosen_solver(choice)
+        assert chosen_solver(found) is found
+        assert found.is_native is native
+        assert found.name == require_solver(choice) == require_solver(found) == solve(springs, found).solver
+        assert found.asked == (choice if isinstance(choice, str) else found.name)
