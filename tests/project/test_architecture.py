@@ -109,7 +109,7 @@ ONE_BY_ONE: dict[str, dict[str, tuple[str, ...]]] = {
         "from easeoff.study.cli import main; main(['--help'], standalone_mode=False)": (
             *("numpy", "scipy", "xarray", "matplotlib", "pydantic", "cvxpy", "qpsolvers", "netCDF4"),
         ),
-        "main(['cases'], standalone_mode=False)": ("xarray", "pandas", "scipy", "netCDF4"),
+        "main(['cases'], standalone_mode=False)": ("numpy", "pydantic", "xarray", "pandas", "scipy", "netCDF4"),
         "easeoff.read_case('fm-11x41')": ("xarray", "pandas", "scipy", "netCDF4", "easeoff.contact.loaded"),
         "import easeoff.study.analysis.case_analysis": (
             *("scipy.optimize", "scipy.interpolate", "scipy.spatial", "matplotlib"),
@@ -119,10 +119,21 @@ ONE_BY_ONE: dict[str, dict[str, tuple[str, ...]]] = {
         "import easeoff.study.result": ("scipy", "matplotlib", "pydantic"),
         "import easeoff.study.summary.load_case_summary, easeoff.study.sweep.sweep_file": (
             *("scipy", "matplotlib", "pydantic", "easeoff.contact.loaded", "easeoff.study.sweep.parameter_sweep"),
+            *(
+                "easeoff.geometry.pair.gear_pair",
+                "easeoff.contact.solvers.solution",
+                "easeoff.study.report.report_file",
+            ),
         ),
         "from easeoff.study.report import report_file, cycle_charts, flank_pictures": ("scipy", "matplotlib"),
         "easeoff.plot.pressure; from easeoff import plot; assert plot is easeoff.plot": ("matplotlib",),
         "import easeoff.study.plot.mesh_cycle_charts": ("matplotlib.pyplot",),
+    },
+    "arrays of other kinds": {
+        "import click; from easeoff.study.cli.command import quick_start": ("numpy", "xarray"),
+        "with click.Context(click.Command('any')):\n quick_start()\n import xarray\n xarray.Dataset({'x': [0]})": (
+            *("dask", "pint", "cupy", "sparse"),
+        ),
     },
 }
 
