@@ -33,7 +33,6 @@ from ...core.checks import instance, positive, two_whole, whole
 from ...core.errors import GeometryError, InputError
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth
-from ..monotone_curve import monotone_curve
 from ..pair.gear_pair import GearPair
 from .tooth_flanks import named_member
 from .tooth_surface import ToothSide, tooth_surface
@@ -510,12 +509,15 @@ def _corner(side: ToothSide) -> int:
 
 def _along(values: Array, curve: Array, fractions: Array) -> Array:
     """Values (k, nt, m) known along curves (2, nt, m), at fractions (n) of the curves' length."""
+    from scipy.interpolate import PchipInterpolator
+
     result = np.empty((values.shape[0], values.shape[1], fractions.size))
     for index in range(values.shape[1]):
         steps = np.hypot(*np.diff(curve[:, index], axis=1))
         moved = np.concatenate([[True], steps > 1e-9])  # a fillet without width is one node many times over
         length = np.concatenate([[0.0], np.cumsum(steps)])[moved]
-        result[:, index] = monotone_curve(length, values[:, index][:, moved], fractions * length[-1])
+        known = PchipInterpolator(length, values[:, index][:, moved], axis=1)
+        result[:, index] = known(fractions * length[-1])
     return result
 
 

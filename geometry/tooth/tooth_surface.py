@@ -25,7 +25,6 @@ from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth, solve_flank
-from ..monotone_curve import monotone_curve
 from ..newton import solve
 from ..pair.ease_off import exact_ease_off
 from ..pair.gear_pair import GearPair, Member
@@ -521,13 +520,15 @@ def tooth(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> xr.
 
 def transverse_thickness(surface: ToothSurface, section: BlankSection) -> Array:
     """Chord across the tooth at right angles to the member's axis (nt, levels) [mm]."""
+    from scipy.interpolate import PchipInterpolator
+
     thickness = np.empty((surface.top_land.shape[1], THICKNESS_LEVELS))
     for index in range(thickness.shape[0]):
         heights, azimuths = zip(
             *(_profile(side, section, index) for side in (surface.loaded, surface.opposite)), strict=True
         )
         common = np.linspace(max(h[0] for h in heights), 1.0, THICKNESS_LEVELS)
-        front, back = (monotone_curve(h, a, common) for h, a in zip(heights, azimuths, strict=True))
+        front, back = (PchipInterpolator(h, a)(common) for h, a in zip(heights, azimuths, strict=True))
         _, radius = section.points(np.full(THICKNESS_LEVELS, index / (thickness.shape[0] - 1)), common)
         thickness[index] = 2.0 * radius * np.abs(np.sin(0.5 * (back - front)))
     return thickness

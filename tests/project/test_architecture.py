@@ -26,10 +26,7 @@ from easeoff.core.errors import how_to_install
 #: Each imports from those before it alone; what is not named comes after all that is.
 ORDER = {
     "": ROOMS,
-    "geometry": (
-        *("vectors", "newton", "monotone_curve", "cutting", "flanks", "pair", "tooth", "design", "deviation"),
-        "formats",
-    ),
+    "geometry": ("vectors", "newton", "cutting", "flanks", "pair", "tooth", "design", "deviation", "formats"),
     "contact": (
         *("outcomes", "problem", "solvers", "lines", "compliance", "line_contact", "mesh_wrench", "segments", "loaded"),
         "supports",
