@@ -13,8 +13,7 @@ from typing import Any, BinaryIO, Generic, TypeVar
 
 from .checks import truth
 from .errors import InputError
-from .file_lock import wait_for_lock
-from .output_file import check_writable, existing_folder, whole_file
+from .output_file import check_writable, existing_folder, wait_for_lock, whole_file
 from .regular_file import RECORD_SIZE_LIMIT, parsed_json, read_bytes
 
 Record = TypeVar("Record")

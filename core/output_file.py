@@ -6,6 +6,8 @@ Private folder in which a file is written before it gets its name, and the remai
 
 The folder has a name that nobody can guess and lets in its owner alone, so that no link can wait in it for what is
 written. Its process holds the lock of a file in it: a folder whose lock is free belongs to a process that was ended.
+
+Lock of an open file, held until the file is closed or its process ends, however it ends.
 """
 
 from __future__ import annotations
@@ -16,12 +18,12 @@ import os
 import re
 import secrets
 import stat
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 from .checks import file_path
 from .errors import InputError
-from .file_lock import try_lock
 from .file_name import check_name
 from .regular_file import require_regular, status_of
 
@@ -252,3 +254,31 @@ def _synchronize(path: Path, flags: int) -> None:
             raise
     finally:
         os.close(descriptor)
+
+
+if sys.platform == "win32":
+    import msvcrt
+else:
+    import fcntl
+
+
+def try_lock(descriptor: int) -> bool:
+    """True if an open file could be locked, False while another holds the lock; OSError without locks."""
+    if sys.platform == "win32":
+        try:
+            msvcrt.locking(descriptor, msvcrt.LK_NBLCK, 1)
+        except OSError:
+            return False
+        return True
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return False
+    return True
+
+
+def wait_for_lock(descriptor: int) -> None:
+    """Lock an open file once no other holds the lock; without effect on Windows or a file system without locks."""
+    if sys.platform != "win32":
+        with contextlib.suppress(OSError):
+            fcntl.flock(descriptor, fcntl.LOCK_EX)

@@ -31,11 +31,10 @@ from ..loaded import LoadedCase
 from ..mesh_cycle import MeshCycle
 from ..solvers import Status
 from ..solvers.parametric.touching_form import touching_stiffness
-from .carrying_error import CarryingError
 from .flank_region import FlankRegion, ProjectionPlane, region_below
 from .marking_print import MarkingPrint, least_gap
 from .pressure_map import PRESSURE_TOLERANCE, LineEnd, PressurePlace, pressure_map
-from .tooth_passage import tooth_passage
+from .tooth_passage import CarryingError, tooth_passage
 
 PATH = ("path_lengthwise", "path_profile")
 

@@ -16,8 +16,8 @@ from ...core.kernels import kernel
 from ..lines.closest_approach import CURVATURE_SHARE_LIMIT, SEPARATION_FIELDS
 from ..lines.contact_lines import BOUNDARY_FIELDS, curvature_and_skew, distance_inside
 from ..lines.flank_splines import FlankSplines
-from .carrying_error import CarryingError
 from .flank_region import FlankRegion, ProjectionPlane, grid_triangles, region_below
+from .tooth_passage import CarryingError
 
 if TYPE_CHECKING:
     from ..mesh_cycle import MeshCycle

@@ -19,16 +19,13 @@ from ...core.errors import EaseoffError
 from .case_commands import cases, convert, design, new, oil, sheet
 from .command import EXIT_MISTAKE, PROGRAM, as_given
 from .geometry_commands import correct, export
-from .modify_command import modify
 from .optimize_command import optimize
 from .result_commands import cite, plot, report, show
 from .run_command import run
 from .shared_options import echo
 from .solver_commands import compare, library, problems
+from .study_commands import modify, verify, vh, wear
 from .sweep_command import sweep
-from .verify_command import verify
-from .vh_command import vh
-from .wear_command import wear
 from .word_completion import completion
 
 

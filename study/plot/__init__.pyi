@@ -1,5 +1,4 @@
 from .contact_pattern_chart import contact_pattern as contact_pattern
-from .ease_off_map import ease_off as ease_off
 from .friction_charts import efficiency as efficiency, friction_maps as friction_maps
 from .mesh_cycle_charts import (
     load_sharing as load_sharing,
@@ -14,7 +13,12 @@ from .study_charts import (
     wear as wear,
 )
 from .sweep_charts import sweep as sweep
-from .topography_chart import deviations as deviations, optimization as optimization, topography as topography
+from .topography_chart import (
+    deviations as deviations,
+    ease_off as ease_off,
+    optimization as optimization,
+    topography as topography,
+)
 from .vh_chart import vh_check as vh_check
 from .written_pictures import pictures as pictures, write_pictures as write_pictures
 

@@ -15,10 +15,10 @@ import xarray as xr
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...contact.evaluation.carrying_error import CarryingError
 from ...contact.evaluation.flank_region import FlankRegion
 from ...contact.evaluation.marking_print import MarkingPrint, checked_thickness
 from ...contact.evaluation.pressure_map import pressure_map
+from ...contact.evaluation.tooth_passage import CarryingError
 from ...contact.outcomes import Status
 from ...core.arrays import Array
 from ...geometry.tooth.tooth_flanks import MemberName

@@ -25,13 +25,12 @@ from ..summary.deflection_report import misalignment_over_torque
 from ..sweep.sweep_file import checked_sweep, is_sweep
 from .contact_pattern_chart import contact_pattern
 from .drawing_style import drawing
-from .ease_off_map import ease_off
 from .friction_charts import efficiency, friction_maps
 from .mesh_cycle_charts import load_sharing, pressure, root_stress, transmission_error
 from .picture_files import FORMATS, file_prefix, pictures_of_results, result_mark, save_picture
 from .study_charts import front, load_cases, misalignment, wear
 from .sweep_charts import PICTURES as SWEEP_PICTURES, pictures as pictures_of_sweep, sweep
-from .topography_chart import deviations, optimization
+from .topography_chart import deviations, ease_off, optimization
 from .vh_chart import vh_check
 
 if TYPE_CHECKING:

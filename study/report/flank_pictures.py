@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from ...cases.conversion import gear_pair
 from ...cases.schema.case_schema import Case
-from ...contact.evaluation.carrying_error import CarryingError
 from ...contact.evaluation.flank_region import ProjectionPlane
 from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
+from ...contact.evaluation.tooth_passage import CarryingError
 from ...contact.lines.contact_lines import boundary_distance
 from ...core.arrays import Array
 from ...core.attributes import ordered
@@ -33,8 +33,7 @@ from ..plot.tooth_view import ToothView, fine_grid
 from ..result_layout import GRID
 from ..summary.curves import torque_name, wear_charts
 from ..summary.quantities import written
-from .cycle_charts import packed_chart
-from .packed_array import packed, packed_exactly
+from .cycle_charts import packed, packed_chart, packed_exactly
 
 RASTER = (121, 49)  # points along the face and the profile
 CORNER_TOLERANCE = 1e-9  # of a barycentric coordinate

@@ -21,7 +21,7 @@ from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import tooth_patches
 from ..summary.deflection_report import ERRORS
-from .packed_array import packed, packed_exactly
+from .cycle_charts import packed, packed_exactly
 
 
 def pair_of_result(tree: xr.DataTree, case: Case) -> GearPair:

@@ -37,8 +37,8 @@ from ..summary.supports_report import supports_tables
 from ..summary.sweep_report import SIGNS, places_table, reasons, totals
 from ..summary.table import with_signs
 from . import cycle_charts, flank_pictures
+from .cycle_charts import packed
 from .mesh_scene import mesh_scene
-from .packed_array import packed
 from .report_tables import (
     case_tables,
     efficiency_rows,

@@ -21,7 +21,6 @@ from easeoff.contact import ElasticModel, Material, MeshCycle, Shell, lines_in_m
 from easeoff.contact.compliance.elastic_model import ElasticTeeth, Loads, UnitLoads, solid_shells
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
-from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.cycle_numbers import mesh_stiffness, mesh_stiffnesses
 from easeoff.contact.evaluation.marking_print import (
     _GAP_FIELDS,
@@ -31,6 +30,7 @@ from easeoff.contact.evaluation.marking_print import (
     _Gaps,
     least_gap,
 )
+from easeoff.contact.evaluation.tooth_passage import CarryingError
 from easeoff.contact.lines.closest_approach import gap_beside, still_opens
 from easeoff.contact.lines.contact_lines import evenly_spaced
 from easeoff.contact.loaded import CycleSolver, loaded_splines

@@ -39,7 +39,7 @@ ORDER = {
     ),
 }
 #: The one module of the product that imports yardsticks, when its command is run.
-VERIFYING = "easeoff.study.cli.verify_command"
+VERIFYING = "easeoff.study.cli.study_commands"
 PUBLIC = ("cases", "contact", "friction", "friction.ehl", "friction.ehl.study", "geometry", "geometry.tooth", "study")
 #: Where users come in; adapters of solvers are imported by the names of the solvers.
 ENTRIES = {"easeoff", "easeoff.study.cli", *(f"easeoff.{name}" for name in PUBLIC)}

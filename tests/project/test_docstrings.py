@@ -20,8 +20,8 @@ from easeoff.contact import STEEL, MeshCycle
 from easeoff.contact.compliance.elastic_model import ElasticTeeth
 from easeoff.contact.compliance.spread_deflection import SpreadDeflection
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
-from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.marking_print import UnloadedPattern
+from easeoff.contact.evaluation.tooth_passage import CarryingError
 from easeoff.contact.lines.mesh_lines import LoadedPlaces, tooth_ends
 from easeoff.contact.lines.monotone_cubic import MonotoneCubic
 from easeoff.contact.mesh_wrench import MeshWrenches, SupportModes

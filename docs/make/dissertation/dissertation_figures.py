@@ -21,7 +21,6 @@ from scipy.optimize import brentq
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.evaluation.tooth_passage import ToothPassage, tooth_passage, two_cycles
 from easeoff.core.output_file import whole_file
-from easeoff.study.plot.ease_off_map import contour_levels, draw_map, ease_off_map
 from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
 from easeoff.study.plot.page import (
     BLUE,
@@ -46,6 +45,7 @@ from easeoff.study.plot.pattern_lines import (
     path_beyond,
 )
 from easeoff.study.plot.tooth_view import ToothView, draw_flank, tooth_view
+from easeoff.study.plot.topography_chart import contour_levels, draw_map, ease_off_map
 
 Array = NDArray[Any]
 

@@ -18,7 +18,6 @@ import easeoff
 from easeoff import InputError, analyze, read_case, read_result, write_result
 from easeoff.cases import Case, gear_pair, shipped_cases
 from easeoff.contact import AssemblyRounds, ElasticModel, MeshCycle, Status
-from easeoff.contact.evaluation.carrying_error import CarryingError
 from easeoff.contact.evaluation.cycle_numbers import (
     contact_time,
     load_spot,
@@ -30,7 +29,7 @@ from easeoff.contact.evaluation.cycle_numbers import (
 from easeoff.contact.evaluation.flank_region import ProjectionPlane, flank_share, grid_triangles, region_below
 from easeoff.contact.evaluation.marking_print import MarkingPrint, least_gap
 from easeoff.contact.evaluation.pressure_map import LineEnd, nearest_border
-from easeoff.contact.evaluation.tooth_passage import ToothPassage
+from easeoff.contact.evaluation.tooth_passage import CarryingError, ToothPassage
 from easeoff.contact.lines.contact_lines import boundary_distance, trace
 from easeoff.contact.lines.mesh_lines import roll_limits
 from easeoff.friction import FrictionModel, flash_temperature
