@@ -434,7 +434,7 @@ def test_commands_take_a_table(case: Case, tmp_path: Path, monkeypatch: pytest.M
     problems = read_problems("problems.nc")
     for torque, number in ((100.0, 0), (300.0, 1)):
         state = CaseInMesh.of(case, misalignment=read_deflections("axle.csv").at(torque))
-        for own in contact_analysis(state, torque).cases:
+        for own in contact_analysis(state, [torque]).cases:
             exported = problems[2 * own.mesh_position + number]
             np.testing.assert_array_equal(exported.separation, own.problem.separation)
             assert exported.torque == own.problem.torque

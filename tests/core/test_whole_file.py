@@ -25,7 +25,7 @@ from easeoff import InputError
 from easeoff.contact import ContactProblem, write_problems
 from easeoff.contact.compliance.finite_elements import array_store
 from easeoff.contact.problem.exchange.programme_file import write_npz
-from easeoff.core import file_lock, output_file
+from easeoff.core import output_file
 from easeoff.core.output_file import check_folder, check_writable, existing_folder, whole_file
 
 
@@ -350,7 +350,7 @@ def test_a_private_folder_cleared_in_the_instant_of_its_making_is_made_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Another run may find it before it has its lock, or lock it first."""
-    original_open, original_lock = os.open, file_lock.try_lock
+    original_open, original_lock = os.open, output_file.try_lock
     calls: list[str] = []
 
     def cleared(path: Path, *flags: int) -> int:

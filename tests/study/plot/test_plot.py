@@ -36,7 +36,6 @@ from easeoff.study.plot.contact_pattern_chart import (
     without_border,
     without_steep,
 )
-from easeoff.study.plot.ease_off_map import contour_levels, ease_off_map
 from easeoff.study.plot.friction_charts import (
     GRID,
     efficiency,
@@ -52,6 +51,7 @@ from easeoff.study.plot.mesh_cycle_charts import (
 from easeoff.study.plot.page import even_lines, evenly_chosen, small_print, torque_name
 from easeoff.study.plot.pattern_lines import bent_lines, contact_pattern
 from easeoff.study.plot.tooth_view import ToothView, tick_step, tooth_view
+from easeoff.study.plot.topography_chart import contour_levels, ease_off_map
 from easeoff.study.plot.written_pictures import PICTURES
 
 Array = NDArray[Any]

@@ -29,7 +29,7 @@ from easeoff.friction.loaded_contacts import axes_of
 from easeoff.geometry.pair.gear_pair import MEMBERS
 from easeoff.study import analyze_load_cases, key_numbers, summary_sheet, write_report
 from easeoff.study.plot.tooth_view import tooth_view
-from easeoff.study.report import flank_pictures, mesh_scene, packed_array, stored_case
+from easeoff.study.report import cycle_charts, flank_pictures, mesh_scene, stored_case
 from easeoff.study.report.report_file import RESULT_COUNT_LIMIT, report_page
 from easeoff.study.report.report_tables import case_tables
 from easeoff.study.summary import summary_sheet as sheet_module
@@ -76,16 +76,16 @@ def without_solutions(loaded: xr.Dataset, positions: list[int]) -> xr.Dataset:
 def test_packed_values_are_within_half_a_step_and_nan_stays(shape: tuple[int, ...]) -> None:
     values = np.random.default_rng(1).normal(size=shape)
     values.flat[2] = np.nan
-    found = unpacked(packed_array.packed(values))
+    found = unpacked(cycle_charts.packed(values))
     assert np.array_equal(np.isnan(found), np.isnan(values))
     span = np.ptp(values[np.isfinite(values)])
     assert 0.0 < np.nanmax(np.abs(found - values)) <= 1.0001 * span / 131068
-    assert np.array_equal(unpacked(packed_array.packed_exactly(values)), values.astype(np.float32), equal_nan=True)
+    assert np.array_equal(unpacked(cycle_charts.packed_exactly(values)), values.astype(np.float32), equal_nan=True)
 
 
 @pytest.mark.parametrize("values", [[], [np.nan], [2.5, 2.5]])
 def test_values_without_a_range_are_packed(values: list[float]) -> None:
-    assert np.array_equal(unpacked(packed_array.packed(values)), values, equal_nan=True)
+    assert np.array_equal(unpacked(cycle_charts.packed(values)), values, equal_nan=True)
 
 
 def test_a_raster_of_a_linear_field_is_that_field_inside_its_triangles() -> None:
