@@ -119,6 +119,14 @@ def reading() -> Iterator[Callable[..., Any]]:
 
 
 @pytest.fixture
+def reading_here(reading: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read all files in this process: whole ones, whoever wrote them."""
+    from easeoff.core import netcdf_file
+
+    monkeypatch.setattr(netcdf_file, "in_forked_process", lambda work: work())
+
+
+@pytest.fixture
 def reading_in_copies(reading: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
     """Read all files in copies of this process, also from several threads."""
     from easeoff.core import netcdf_file
