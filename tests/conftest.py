@@ -83,7 +83,7 @@ def shared_geometry() -> Iterator[None]:
 def reading() -> Iterator[Callable[..., Any]]:
     """Read a file that this process wrote in this process, as on Windows: a copy of it takes longer than the reading.
 
-    Any other is read in a copy: netCDF ends a process that has failed to open a damaged one, now or at a later file.
+    Any other is read in a copy: on a damaged file netCDF may end the process, as it does on one that xarray holds open.
     """
     from shared import replace_everywhere
 
