@@ -87,9 +87,9 @@ def reading() -> Iterator[Callable[..., Any]]:
     """
     from shared import replace_everywhere
 
-    from easeoff.core import netcdf_file
+    from easeoff.core import forked_process, netcdf_file
 
-    read, write, in_copy = netcdf_file._read, netcdf_file.write_netcdf, netcdf_file.in_forked_process
+    read, write, in_copy = netcdf_file._read, netcdf_file.write_netcdf, forked_process.in_forked_process
     written = set[tuple[int, ...]]()
 
     def state(path: Any) -> tuple[int, ...]:
@@ -108,7 +108,7 @@ def reading() -> Iterator[Callable[..., Any]]:
 
     def read_here(path: Any, *further: Any, **keywords: Any) -> Any:
         with pytest.MonkeyPatch.context() as patch:
-            if netcdf_file.in_forked_process is in_copy and is_own(path):
+            if vars(netcdf_file)["in_forked_process"] is in_copy and is_own(path):
                 patch.setattr(netcdf_file, "in_forked_process", lambda work: work())
             return read(path, *further, **keywords)
 
