@@ -18,12 +18,14 @@ import shutil
 import sys
 import tempfile
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, cast
 
 import pytest
 from hypothesis import HealthCheck, settings
 
+# The garbage collector comes less often.
+gc.set_threshold(50_000, 20, 20)
 for variable in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ.setdefault(variable, "1")
 os.environ["EASEOFF_PROGRESS"] = "off"  # lines of progress come by the clock
@@ -77,6 +79,61 @@ def shared_geometry() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(scope="session", autouse=True)
+def reading() -> Iterator[Callable[..., Any]]:
+    """Read a file that this process wrote in this process, as on Windows: a copy of it takes longer than the reading.
+
+    Any other is read in a copy: on a damaged file netCDF may end the process, as it does on one that xarray holds open.
+    """
+    from shared import replace_everywhere
+
+    from easeoff.core import forked_process, netcdf_file
+
+    read, write, in_copy = netcdf_file._read, netcdf_file.write_netcdf, forked_process.in_forked_process
+    written = set[tuple[int, ...]]()
+
+    def state(path: Any) -> tuple[int, ...]:
+        found = os.stat(path)
+        return found.st_ino, found.st_size, found.st_mtime_ns, found.st_ctime_ns
+
+    def write_netcdf(content: Any, path: Any, *further: Any, **keywords: Any) -> None:
+        write(content, path, *further, **keywords)
+        written.add(state(path))
+
+    def is_own(path: Any) -> bool:
+        try:
+            return state(path) in written
+        except (OSError, TypeError, ValueError):
+            return False
+
+    def read_here(path: Any, *further: Any, **keywords: Any) -> Any:
+        with pytest.MonkeyPatch.context() as patch:
+            if vars(netcdf_file)["in_forked_process"] is in_copy and is_own(path):
+                patch.setattr(netcdf_file, "in_forked_process", lambda work: work())
+            return read(path, *further, **keywords)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(netcdf_file, "_read", read_here)
+        replace_everywhere(patch, write, write_netcdf)
+        yield read
+
+
+@pytest.fixture
+def reading_here(reading: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read all files in this process: whole ones, whoever wrote them."""
+    from easeoff.core import netcdf_file
+
+    monkeypatch.setattr(netcdf_file, "in_forked_process", lambda work: work())
+
+
+@pytest.fixture
+def reading_in_copies(reading: Callable[..., Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    """Read all files in copies of this process, also from several threads."""
+    from easeoff.core import netcdf_file
+
+    monkeypatch.setattr(netcdf_file, "_read", reading)
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     """Mark what is left out: of the cases of ``quick(count)`` all but that many, of thorough items four in five."""
@@ -96,10 +153,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Let the garbage collector pass over what lasts as long as the tests do, and come less often."""
+    """Let the garbage collector pass over what lasts as long as the tests do."""
     gc.collect()
     gc.freeze()
-    gc.set_threshold(50_000, 20, 20)
 
 
 def pytest_unconfigure() -> None:

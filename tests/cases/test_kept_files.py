@@ -66,12 +66,14 @@ def kept(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module", autouse=True)
 def read_once() -> Iterator[None]:
-    """Whatever asks for the content of a netCDF file, it comes from the disk once."""
+    """Whatever asks for the content of a netCDF file, it comes from the disk once; all are whole, and read here."""
     read = netcdf_file._read
 
     @cache
     def content(path: str, _changed: int) -> xr.DataTree:
-        return read(path, netcdf_file.whole_tree, square=True)
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(netcdf_file, "in_forked_process", lambda work: work())
+            return read(path, netcdf_file.whole_tree, square=True)
 
     def kept_content(path: str | os.PathLike[str], opened: object, **_: bool) -> xr.DataTree | xr.Dataset:
         tree = content(os.path.abspath(path), os.stat(path).st_mtime_ns)

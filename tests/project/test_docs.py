@@ -108,6 +108,7 @@ def with_few_points(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(FileKind, "find", found)
 
 
+@pytest.mark.usefixtures("reading_in_copies")  # a page leaves a file open
 @pytest.mark.parametrize(
     "name", [pytest.param(name, marks=[] if name in QUICK else pytest.mark.thorough) for name in WITH_CODE]
 )

@@ -174,6 +174,7 @@ def without_attributes(dataset: xr.Dataset) -> xr.Dataset:
     return bare.drop_vars([name for name in ("size", "structured", "mode_count") if name in bare])
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize(
     "change",
@@ -192,6 +193,7 @@ def test_file_of_another_program_reads_without_what_can_be_told_from_the_numbers
     assert all(a.identical(b) for a, b in zip(read, written, strict=True))
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -230,6 +232,7 @@ def test_thousands_of_problems_stay_exact_in_one_file(tmp_path: Path) -> None:
     assert time.process_time() - start < 20.0  # a second or so; a method that opens the file per problem takes minutes
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("kind", ["dense", "structured"])
 def test_single_problem_needs_no_dimension_of_the_problem(tmp_path: Path, kind: str) -> None:
     problem = next(problems("random_dense" if kind == "dense" else "plain", 1))
@@ -265,6 +268,7 @@ def by_hand(
     return path
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.filterwarnings("ignore:Duplicate dimension names")
 @pytest.mark.parametrize(
     "style",
@@ -331,6 +335,7 @@ def test_version_may_be_any_kind_of_number(tmp_path: Path, version: Any) -> None
     assert len(read_problems(path)) == 5
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize(
     ("change", "words"),
     [
