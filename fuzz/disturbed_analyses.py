@@ -48,7 +48,7 @@ def analysis(text: str, arguments: dict[str, Any]) -> None:
             shown = result_summary(tree)
             # The contact problems are not in the result: they are solved again.
             state = CaseInMesh.of(case, flank=arguments["flank"])
-            solved = contact_analysis(state, tree["loaded"]["torque"].values, edge_contact=edges).cases
+            solved = contact_analysis(state, tree["loaded"].to_dataset()["torque"].values, edge_contact=edges).cases
         except EaseoffError as error:
             sys.stderr.write(f"Error: {error}\n")
             sys.exit(2)
