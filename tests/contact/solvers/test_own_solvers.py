@@ -477,8 +477,12 @@ def test_interrupt_of_the_user_is_none_of_the_solver(swallowed: bool) -> None:
             signal.raise_signal(signal.SIGINT)
         return by_daqp(problem)
 
-    with pytest.raises(KeyboardInterrupt):
-        solve(PROBLEM, interrupted)
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell in the background ignores interrupts
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            solve(PROBLEM, interrupted)
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_function_that_takes_no_notice_of_its_time_limit_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
