@@ -17,6 +17,7 @@ PAGE = GUIDES / "corrections.md"
 PICTURE = IMAGES / "corrections" / "topography.png"
 DRAWN = "hobbed, completing, Formate"
 NOISE = 0.5  # [um]
+PART = "closed loops"
 
 
 def loops(noise: float = 0.0) -> dict[str, CorrectionLoop]:
@@ -30,7 +31,7 @@ def loops(noise: float = 0.0) -> dict[str, CorrectionLoop]:
 def updated(page: str) -> str:
     """The page with its table made anew."""
     table = "\n".join(rows(loops(), loops(NOISE)))
-    return with_generated(page, "closed loops", table)
+    return with_generated(page, PART, table)
 
 
 def rows(exact: dict[str, CorrectionLoop], noisy: dict[str, CorrectionLoop]) -> Iterator[str]:

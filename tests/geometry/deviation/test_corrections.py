@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from correction_loops import CORRECTION_LOOPS, FORMATE, GENERATED, TILTED, loop_case
+from generated_part import generated
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from report_content import content
 from runs import output_of, refusal_of, small
@@ -398,8 +399,7 @@ def test_blades_stay_unless_they_are_named_and_each_flank_has_its_own() -> None:
 def test_the_closed_loops_of_the_page_are_those_of_the_program() -> None:
     """If not: run docs/make corrections."""
     script = importlib.import_module("make_corrections")
-    page = script.PAGE.read_text(encoding="utf-8")
-    table = page.split(script.BEGIN)[1].split(script.END)[0].strip().splitlines()[2:]
+    table = generated(script.PAGE.read_text(encoding="utf-8"), script.PART).splitlines()[2:]
     assert [line.split(" | ")[0] for line in table] == [f"| {name}" for name in CORRECTION_LOOPS]
     for line, (case, member, errors) in zip(table, CORRECTION_LOOPS.values(), strict=True):
         cells = [cell.strip() for cell in line.strip("|").split("|")]
