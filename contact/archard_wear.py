@@ -13,16 +13,13 @@ mesh, over one mesh cycle, are one tooth's whole way through the mesh.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.interpolate import BSpline
 from scipy.spatial import Delaunay
 
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays
+from ..core.arrays import Array, Bools, record
 from ..core.errors import GeometryError, InputError
 from ..geometry.pair.gear_pair import MEMBERS
 from .lines.flank_splines import FlankSplines, fit
@@ -39,8 +36,7 @@ def rolling_splines(ease_off: xr.Dataset, rolling: Mapping[str, Array]) -> Flank
     return fit(ease_off["lengthwise"].values, ease_off["profile"].values, {**rolling, **pinion})
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Engagement:
     """One tooth's way through the mesh: samples (n) at the contact segments, by member."""
 
@@ -109,7 +105,7 @@ def on_flank(samples: Engagement, member: str, lengthwise: Array, profile: Array
     return np.asarray(np.maximum(basis(lengthwise, 0) @ coefficients @ basis(profile, 1).T, 0.0))
 
 
-def touched(samples: Engagement, member: str, lengthwise: Array, profile: Array) -> NDArray[np.bool_]:
+def touched(samples: Engagement, member: str, lengthwise: Array, profile: Array) -> Bools:
     """True at nodes (nt, nh) of the flank between the outermost ends of the contact lines."""
     hull = Delaunay(np.concatenate([samples.points[member], samples.ends[member]], axis=1).T)
     grid = np.stack(np.meshgrid(lengthwise, profile, indexing="ij"), axis=-1)

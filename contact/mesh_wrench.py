@@ -7,15 +7,12 @@ by its product with the wrench, exactly so to first order, and the moments about
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..core.arrays import Array
+from ..core.arrays import Array, Bools, record
 from ..core.attributes import ordered
-from ..core.checks import frozen_arrays
 from ..geometry.pair.gear_pair import PairGeometry, first_contact
 from .lines.flank_splines import FlankSplines, fit
 from .problem.modal_basis import ModalBasis, with_shared_modes
@@ -29,8 +26,7 @@ def unit_wrenches(position: Array, normal: Array) -> Array:
     return np.concatenate([normal, np.cross(position, normal, axis=0)]).T
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class MeshWrenches:
     """Wrench about the origin of the global frame of a unit normal force on the pinion, over the gear flank."""
 
@@ -39,7 +35,7 @@ class MeshWrenches:
     flank: Array  # wrench at points of the grid on both flanks (m, 6)
     lever_arm: Array
     ease_off_angle: Array  # as a gear rotation, all of the grid (nt, nh) [rad]
-    inside: NDArray[np.bool_]
+    inside: Bools
 
     @classmethod
     def of(cls, geometry: PairGeometry) -> MeshWrenches:
@@ -85,8 +81,7 @@ class MeshWrenches:
         return np.concatenate([turned(force), turned(moment)])
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class SupportModes:
     """Part of the supports in the contact problem of a mesh position."""
 

@@ -7,10 +7,8 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..core.arrays import Array
-from ..core.checks import frozen_arrays
+from ..core.arrays import Array, Bools, Integers, record
 from ..geometry.pair.gear_pair import MEMBERS
 from .compliance.elastic_model import ElasticTeeth, Loads, UnitLoads, member_points, unit_loads
 from .compliance.finite_elements.flank_compliance import FlankCompliance
@@ -33,21 +31,20 @@ END_MIDDLES = np.stack([np.linspace([0.0, 1.0], [0.25, 0.75], 5, axis=1), np.ful
 DEPTHS = [f"depth_{member}" for member in MEMBERS]
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Segments:
     """Potential contact segments (n) of one mesh position."""
 
-    pair: NDArray[np.int64]
+    pair: Integers
     point: Array  # loaded on the gear: lengthwise and profile fractions (2, n)
     pinion_point: Array  # loaded on the pinion: those of its conjugate contact (2, n)
     separation_angle: Array  # gap as a gear rotation [rad]
     lever_arm: Array  # of the normal force about the gear axis [mm]
     bending: ModalBasis
     line_contact: WeberLineContact
-    searched: NDArray[np.bool_]  # flanks bend over so short a way that closest_approach was searched for
-    edge: NDArray[np.int64]  # number among flank_edges; -1 on contact lines, as the element
-    element: NDArray[np.int64]
+    searched: Bools  # flanks bend over so short a way that closest_approach was searched for
+    edge: Integers  # number among flank_edges; -1 on contact lines, as the element
+    element: Integers
     wrench: Array | None = None  # of a unit normal force on the pinion, global frame (n, 6)
     held: SupportModes | None = None
 
@@ -87,8 +84,7 @@ class Segments:
         return ContactProblem.of_modes(separation, self.lever_arm, 0.0, nothing, basis)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class LineSegments:
     """Contact lines of a mesh cycle in even segments (n), and the bending of teeth under a unit load on each.
 
@@ -204,8 +200,7 @@ def end_loads_at(places: LoadedPlaces, teeth: ElasticTeeth) -> Array:
     return np.concatenate(loads)
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class CycleSegments:
     """Potential contact segments at every mesh position of a cycle."""
 

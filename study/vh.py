@@ -25,9 +25,9 @@ from ..cases.deflection_table import MisalignmentSource
 from ..cases.schema.case_schema import Case, ComplianceTable
 from ..contact.evaluation.flank_region import ProjectionPlane
 from ..contact.evaluation.marking_print import PRINT_GRID, UnloadedPattern, checked_thickness
-from ..core.arrays import Array
+from ..core.arrays import Array, record
 from ..core.attributes import StoredStatus, labelled
-from ..core.checks import frozen_arrays, number, two_whole, whole
+from ..core.checks import number, two_whole, whole
 from ..core.errors import GeometryError
 from ..core.netcdf_file import write_netcdf
 from ..geometry.deviation.deviation import Method
@@ -66,8 +66,7 @@ REASONS = {
 }
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Found:
     """The nearest place that a search came to."""
 

@@ -23,10 +23,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays, instance, number
+from ...core.arrays import Bools, RealArray as Array, record
+from ...core.checks import instance, number
 from ...core.errors import InputError
 from ..compliance.weber_line_contact import WeberLineContact
 from ..problem.certificate import certify
@@ -120,8 +119,7 @@ CUBIC_PLACES = np.linspace(0.0, 1.0, 17)[1:-1]
 MAX_GUIDED_DIVISIONS, MAX_DIVISIONS = 12, 200
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class PathNode:
     """A certified point of the path, rates by the torque about the gear axis."""
 
@@ -131,7 +129,7 @@ class PathNode:
     rotation_rate: float
     indentation: Array  # by local contact (n) [mm]
     indentation_rate: Array
-    touching: NDArray[np.bool_]
+    touching: Bools
 
 
 @dataclass(eq=False)
@@ -289,8 +287,7 @@ def _crossing(left: PathNode, right: PathNode, segment: int) -> float:
 TORQUE_TOLERANCE = 1e-9
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class LineContactPath(PathOverTorque):
     """Solutions of a contact problem with load-dependent line contact between two torques.
 

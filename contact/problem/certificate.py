@@ -29,8 +29,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import array, frozen_arrays, instance, shown
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import array, instance, shown
 from ...core.errors import InputError
 from ..outcomes import CERTIFICATE_FIELDS as CERTIFICATE_FIELDS
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, OperatorCompliance
@@ -440,8 +440,7 @@ def _relative(error: float, scale: float) -> float:
     return error / scale if scale > 0.0 else math.inf
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False, slots=True)
+@record(frozen=True, eq=False, slots=True)
 class Answer:
     """Forces, rotation and gaps, right or wrong: the certificate tells."""
 

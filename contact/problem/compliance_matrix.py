@@ -13,15 +13,14 @@ compliance is proved on that assumption, and says so.
 from __future__ import annotations
 
 import sys
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import array, frozen_arrays, read_only, shown
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import array, read_only, shown
 from ...core.errors import InputError
 from .modal_basis import BendingFactor, ModalBasis
 
@@ -124,8 +123,7 @@ NEGATIVE_EIGENVALUE_TOLERANCE = 1e-12
 ASYMMETRY_TOLERANCE = 1e-10
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class OperatorCompliance:
     """A compliance given by its products with forces.
 
@@ -287,8 +285,7 @@ def _extreme_ritz_values(compliance: OperatorCompliance) -> tuple[float, float]:
 SMALL_LOCAL_FRACTION = 1e-3
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class DenseCompliance:
     """A compliance given as one symmetric matrix (n, n) [mm/N]."""
 
@@ -331,8 +328,7 @@ class DenseCompliance:
         return DenseCompliance(read_only(dense))
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class ModalCompliance:
     """A compliance C = diag(d) + V V^T of local springs d (n) [mm/N], not negative, and bending modes V."""
 

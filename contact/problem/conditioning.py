@@ -31,16 +31,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Bools, RealArray as Array, record
 from .certificate import exact_gap_error, exact_residuals
 from .compliance_matrix import ModalCompliance, OperatorCompliance
 from .contact_problem import ContactProblem
 from .error_free import UNIT_ROUNDOFF, dot_terms
 
-Mask = NDArray[np.bool_]
+Mask = Bools
 
 #: Segments of a structured compliance from which on its eigenvalues are bounded by the local part alone.
 EIGENVALUE_SIZE_LIMIT = 1000
@@ -52,8 +50,7 @@ LOADED_FRACTION = 1e-6
 MARGIN = 1.0 + 1e-6
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Conditioning:
     """Uniqueness of a contact problem's solution and error bounds, from an answer.
 

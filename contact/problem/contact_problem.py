@@ -17,7 +17,6 @@ As a Dataset, and in files, its numbers have the units and meanings of one table
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -25,8 +24,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import array, frozen_arrays
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import array
 from ...core.errors import InputError
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, compliance_matrix
 from .first_contact import FirstContact, first_contact
@@ -71,8 +70,7 @@ def problem_of_numbers(numbers: Mapping[str, Any]) -> ContactProblem:
     return ContactProblem(separation, lever_arm, torque, tuple(parts) if len(parts) == 2 else parts[0])
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False, init=False, repr=False)
+@record(frozen=True, eq=False, init=False, repr=False)
 class ContactProblem:
     """Separation, lever arm, torque and compliance of the segments of one mesh position.
 

@@ -12,12 +12,11 @@ itself: what one double cannot hold of it is a second one, the remainder.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays, read_only
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import read_only
 from .error_free import split, two_product, two_sum
 
 #: Changes of the segment that touches first: the rounded ratios S/r mistake it where rotations are large.
@@ -27,8 +26,7 @@ MAX_CHANGES = 4
 ERROR_FREE, PLAIN = 2.0**-103, 2.0**-51
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False, slots=True)
+@record(frozen=True, eq=False, slots=True)
 class FirstContact:
     """First contact of the rigid bodies, at the segment f and the rounded rotation S_f / r_f [rad]."""
 

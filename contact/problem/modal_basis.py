@@ -23,22 +23,22 @@ Modes that all tooth pairs share, such as those of shafts, bearings and housing,
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays, instance, read_only, whole
+from ...core.arrays import Bools, Integers, RealArray as Array, record
+from ...core.checks import instance, read_only, whole
 from ...core.errors import InputError
 from ...core.kernels import kernel
 
 _kernel = kernel(".mode_kernel", __package__)
 label_blocks, arrange = _kernel.label_blocks, _kernel.arrange
 
-Whole = NDArray[np.int64]
+Whole = Integers
 
 #: One segment stands for so many on the next level.
 STRIDE = 4
@@ -111,7 +111,7 @@ WORTHWHILE_WORK = 0.8
 DIRECTION_TOLERANCE = 1e-15
 
 
-def shared_columns(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> NDArray[np.bool_]:
+def shared_columns(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> Bools:
     """Mask (k) of the columns of V (n, k) that couple groups of rows, if setting them apart saves enough work."""
     shared = np.zeros(factor.shape[1], dtype=np.bool_)
     work, split_work = 0.0, 0.0
@@ -136,7 +136,7 @@ def part_of(factor: Array, rows: NDArray[np.intp], columns: NDArray[np.intp]) ->
     return factor[both[0]][:, both[1]]
 
 
-def _coupling(present: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], float]:
+def _coupling(present: Bools) -> tuple[Bools, float]:
     """Columns that couple groups of rows (k), and the work with these set apart.
 
     Columns of the mask (n, k), fewest entries first, are taken in turn: one that meets rows of a single group extends
@@ -185,8 +185,7 @@ DROP_TOLERANCE = 1e-15
 RIGID_DIRECTIONS = 6
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class SharedModes:
     """Modes W that all blocks share: a segment i of block b has the row W_i = columns_i mixing_b.
 
@@ -213,8 +212,7 @@ class SharedModes:
     mixing: Array
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class ModalBasis:
     """Blocks of a compressed factor, padded to the size of the largest, and modes that all blocks share.
 
@@ -329,8 +327,7 @@ class ModalBasis:
         return self
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class BendingFactor:
     """A factor V (n, k) [(mm/N)^0.5] as given; its blocks are found and compressed when first asked for."""
 
@@ -347,7 +344,7 @@ class BendingFactor:
         return int(self.labels.rows.max())
 
     @cached_property
-    def is_shared(self) -> NDArray[np.bool_]:
+    def is_shared(self) -> Bools:
         """Which columns couple blocks (k)."""
         if self.labels.has_full_rows:
             return np.zeros(self.factor.shape[1], dtype=np.bool_)

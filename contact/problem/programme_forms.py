@@ -64,7 +64,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.checks import frozen_arrays, instance, truth
+from ...core.arrays import record
+from ...core.checks import instance, truth
 from ...core.errors import InputError
 from .certificate import Answer, require_convex, unscaled, vector_of
 from .contact_problem import ContactProblem
@@ -294,8 +295,7 @@ def _require_definite(problem: ContactProblem) -> None:
         )
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False, slots=True)
+@record(frozen=True, eq=False, slots=True)
 class LCP:
     """Linear complementarity form of a contact problem, scaled; `lcp` makes it.
 

@@ -31,10 +31,8 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Bools, RealArray as Array, record
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, OperatorCompliance
 from .first_contact import FirstContact
 from .modal_basis import ModalBasis, SharedModes
@@ -210,8 +208,7 @@ class Units:
         return self.gap / self.lever_arm
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False, slots=True)
+@record(frozen=True, eq=False, slots=True)
 class Scaling(Units):
     """Scales of force [N], compliance [mm/N] and lever arm [mm], powers of two, and findings on the way."""
 
@@ -219,9 +216,9 @@ class Scaling(Units):
     compliance: float
     lever_arm: float
     first_contact: FirstContact  # scaled rotations count from here
-    estimated_active: NDArray[np.bool_]  # in contact on the Winkler bed (n)
+    estimated_active: Bools  # in contact on the Winkler bed (n)
     separation_limit: Array  # (n) [mm], above it provably open; infinite where there is no proof
-    certainly_open: NDArray[np.bool_]
+    certainly_open: Bools
 
     @classmethod
     def of(cls, first: FirstContact, lever_arm: Array, torque: float, compliance: ComplianceMatrix) -> Scaling:

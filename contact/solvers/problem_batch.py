@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field
+from dataclasses import field
 from time import perf_counter
 from typing import Any, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.arrays import RealArray as Array
-from ...core.checks import array, frozen_arrays, instance, shown
+from ...core.arrays import Bools, Integers, RealArray as Array, record
+from ...core.checks import array, instance, shown
 from ...core.errors import InputError
 from ..problem.certificate import EXACT_TOLERANCE, RESOLUTION_LIMIT, Certificate, with_certificate
 from ..problem.contact_problem import ContactProblem
@@ -20,8 +20,7 @@ from .registry import ROUNDING_LEVEL, as_mask, compiled_solution, solve
 from .solution import ContactSolution, Status, judged, no_solution
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class ContactSolutions:
     """Solutions of problems that differ in separations and torques alone, in arrays; a row is a problem.
 
@@ -65,13 +64,13 @@ class ContactSolutions:
     elastic_rotation: Array
     certificate: Array
     status: NDArray[np.int8]
-    iterations: NDArray[np.int64]
+    iterations: Integers
     problem: ContactProblem = field(repr=False)
     separation: Array = field(repr=False)
     torque: Array = field(repr=False)
 
     @property
-    def certified(self) -> NDArray[np.bool_]:
+    def certified(self) -> Bools:
         """True for each answer that is proved (b)."""
         return np.asarray(self.status == Status.CERTIFIED)
 

@@ -15,15 +15,13 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...cases.conversion import blank_design, ease_off_target, gear_pair, setting_limits
 from ...cases.schema.case_schema import Case
 from ...cases.schema.design_schema import Design
 from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
 from ...contact.evaluation.flank_region import flank_share
-from ...core.arrays import Array
-from ...core.checks import frozen_arrays
+from ...core.arrays import Array, Bools, record
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
@@ -137,8 +135,7 @@ TOE_HALF = np.linspace(0.0, 0.5, 6)
 NO_VALUE = "-"
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class ToothSpaces:
     """Spaces of a pair by the formulas of AGMA 929-B22 and on the generated teeth; arrays have the pinion first."""
 
@@ -538,7 +535,7 @@ def rounding_limits(design: Design, report: DesignReport, case: Case) -> tuple[d
     return ranges
 
 
-def _left(found: EaseOff, wanted: Array, inside: NDArray[np.bool_]) -> Array:
+def _left(found: EaseOff, wanted: Array, inside: Bools) -> Array:
     """Ease-off less target on the common flank (n) [mm], up to a rotation of the gear."""
     lever = found.lever_arm[inside]
     return without_rotation(found.angle[inside] * lever - wanted[inside], lever)

@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from ...cases.shipped_files import shipped_deviations
 from ...cases.table_rows import read_table_rows
-from ...core.arrays import RealArray as Array
-from ...core.checks import array, frozen_arrays, instance, number, one_of, shown, whole
+from ...core.arrays import RealArray as Array, record
+from ...core.checks import array, instance, number, one_of, shown, whole
 from ...core.errors import InputError
 from ...core.regular_file import TABLE_SIZE_LIMIT, leads_outside
 from ...friction.lubricants.lubricant import is_shipped
@@ -116,8 +116,7 @@ VALUE_COUNT_LIMIT = 10_000_000
 DIGIT_COUNT = 14  # of the greatest value of an even grid
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Axis:
     """A dimension of a sweep with its coordinates."""
 

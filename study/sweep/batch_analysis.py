@@ -16,9 +16,8 @@ from ...cases.deflection_table import MisalignmentSource
 from ...cases.deflections import Deflections, with_errors
 from ...cases.writing import changed_case
 from ...contact.solvers import Status
-from ...core.arrays import Array
+from ...core.arrays import Array, record
 from ...core.attributes import ordered
-from ...core.checks import frozen_arrays
 from ...core.errors import EaseoffError, GeometryError, InputError, printable, shortened
 from ...core.process_settings import without_garbage_collection
 from ...geometry.pair.assembly import Misalignment
@@ -45,8 +44,7 @@ class Batch:
     columns: Mapping[str, Array]  # values (n) of every coordinate
 
 
-@frozen_arrays
-@dataclass(frozen=True)
+@record(frozen=True)
 class Block:
     """Numbers of the points (n) of a batch; over torques, too, where one analysis has several."""
 

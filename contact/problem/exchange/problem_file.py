@@ -41,15 +41,16 @@ import contextlib
 import hashlib
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import field
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from ....core.arrays import Bools, record
 from ....core.attributes import units_of
-from ....core.checks import frozen_arrays, instance, shown
+from ....core.checks import instance, shown
 from ....core.errors import InputError
 from ....core.netcdf_file import read_dataset, write_netcdf
 from ..certificate import Answer
@@ -184,7 +185,7 @@ def _counts(values: NDArray[Any], name: str, least: int, most: int) -> NDArray[n
     return values.astype(np.intp)
 
 
-def _length(present: NDArray[np.bool_]) -> NDArray[np.intp]:
+def _length(present: Bools) -> NDArray[np.intp]:
     """Length of each row up to its last entry that is present; an empty row counts as one, to be refused later."""
     width = present.shape[1]
     if not width:  # no modes
@@ -193,8 +194,7 @@ def _length(present: NDArray[np.bool_]) -> NDArray[np.intp]:
     return length
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class ProblemSet:
     """Contact problems with labels and reference solutions.
 

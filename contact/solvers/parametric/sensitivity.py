@@ -18,16 +18,16 @@ Sensitivity of an answer: which segments are loaded, which are weak, and the com
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import field
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ....core.arrays import RealArray as Array
+from ....core.arrays import Bools, RealArray as Array, record
 from ....core.attributes import StoredStatus
-from ....core.checks import array, frozen_arrays, positive
+from ....core.checks import array, positive
 from ....core.errors import InputError
 from ...problem.certificate import Answer
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
@@ -72,8 +72,7 @@ def bending_change(
     return bent
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class ProblemGradient:
     """Derivatives of a number J by the data; NaN where J has none.
 
@@ -143,8 +142,7 @@ class Differentiability(StoredStatus):
     FORCES_NOT_UNIQUE = 2
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class SolutionChange:
     """Derivative of a solution in one direction of its data; NaN where there is none.
 
@@ -180,19 +178,18 @@ class SolutionChange:
     rotation: float
     gap: Array
     energy: float
-    active: NDArray[np.bool_]
+    active: Bools
     one_sided: bool
     message: str = ""
 
 
-Mask = NDArray[np.bool_]
+Mask = Bools
 
 #: Gap that opens at segments whose forces are not unique, relative to the largest, that is taken for rounding.
 CONSISTENCY_TOLERANCE = 1e-9
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Sensitivity:
     """Derivatives of one solution; see `sensitivity`.
 

@@ -21,9 +21,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ....core.arrays import RealArray as Array
+from ....core.arrays import Bools, Integers, RealArray as Array, record
 from ....core.attributes import labelled
-from ....core.checks import array, frozen_arrays, instance
+from ....core.checks import array, instance
 from ....core.errors import InputError
 from ...problem.certificate import EXACT_TOLERANCE, Answer, with_certificate
 from ...problem.contact_problem import ContactProblem
@@ -32,7 +32,7 @@ from ..solution import ContactSolution, Status, judged
 from .touching_form import TouchingSystem, touching_system
 from .weak_segments import loaded_and_weak, system_in_direction
 
-Mask = NDArray[np.bool_]
+Mask = Bools
 
 #: Forces and gaps that vanish within this part of their scales at an event vanish together.
 TIE_TOLERANCE = 1e-13
@@ -47,8 +47,7 @@ STEPS_BEYOND = (1e-10, 1e-8, 1e-6)
 MAX_EVENTS_PER_SEGMENT = 50
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False, slots=True)
+@record(frozen=True, eq=False, slots=True)
 class PathPiece:
     """A part of the path with one touching set (a), from the torque where it begins."""
 
@@ -233,16 +232,15 @@ def _sought(problem: ContactProblem, torque: float, level: float) -> _Point | No
     return None
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class PathOverTorque(ABC):
     """Ends, events and status of a path, in the direction of travel; of linear or of load-dependent contact."""
 
     start: float
     end: float
     torque: Array
-    segment: NDArray[np.int64]
-    enters: NDArray[np.bool_]
+    segment: Integers
+    enters: Bools
     status: Status
     message: str
 
@@ -307,8 +305,7 @@ def path_fields(start: float, end: float, changes: Sequence[tuple[float, int, bo
 METHOD = "torque_path"
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class TorquePath(PathOverTorque):
     """Solutions of a contact problem between two torques.
 

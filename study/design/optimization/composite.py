@@ -7,20 +7,19 @@ the model keeps the corners that a derivative of the whole would cut.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ....core.arrays import RealArray as Array
-from ....core.checks import frozen_arrays, one_of
+from ....core.arrays import RealArray as Array, record
+from ....core.checks import one_of
 
 Kind = Literal["affine", "greatest", "range", "norm"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Composite:
     """Function of affine rows (m): the only, the greatest, greatest less least, or root of the sum of squares."""
 

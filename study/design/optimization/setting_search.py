@@ -13,8 +13,7 @@ from functools import partial
 import numpy as np
 
 from ....cases.schema.case_schema import Case
-from ....core.arrays import RealArray as Array
-from ....core.checks import frozen_arrays
+from ....core.arrays import RealArray as Array, record
 from ....core.errors import EaseoffError
 from .aim import EaseOffForm, Judgement
 from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
@@ -57,8 +56,7 @@ class Prices:
         return cls(limits, answer.low_multipliers / units, answer.high_multipliers / units, of_ceiling)
 
 
-@frozen_arrays
-@dataclass(frozen=True, eq=False)
+@record(frozen=True, eq=False)
 class Outcome:
     """Settings that a search found."""
 
