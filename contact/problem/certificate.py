@@ -293,7 +293,6 @@ class Certificate:
         return self.told()
 
 
-#: Names of the violations.
 #: What it says of itself.
 CERTIFICATE_LIMITS = ("resolution", "cancellation")
 #: Certificate of a solve without an answer.

@@ -201,7 +201,7 @@ def transmission_error_charts(
     if radius is not None:
         second = {"factor": 1e-3 * radius, "label": "[µm] at the mean pitch radius"}
         charts = [replace(one, second=second) for one in charts]
-    carrying = [Curve("pair that carries", times / 1.0, lowest)] if course.values.size else []
+    carrying = [Curve("pair that carries", times, lowest)] if course.values.size else []
     return [Chart("te_unloaded", carrying), *charts]
 
 

@@ -120,8 +120,8 @@ class _Assembly:
         """Analysis without friction at a point."""
         setup = self.setup
         terms = {name: value for name, value in values.items() if swept_quantity(name).stage == Stage.EASE_OFF}
-        torques = case_torques(setup.case, setup.torques or [values["torque"]])
-        key = (*terms.items(), *torques.tolist())
+        torques = case_torques(setup.case, [values["torque"]]) if setup.torques is None else setup.torques
+        key = (*terms.items(), *torques)
         if key not in self._loaded:
             state = self._state
             if isinstance(state, EaseoffError):
