@@ -6,9 +6,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ..core.arrays import Array
+from ..core.arrays import Array, Integers
 from .lines.mesh_lines import MeshLines
 from .lines.touching_points import TouchingPoints, least, refined, touching_points
 from .lines.turned_flanks import TurnedFlanks
@@ -23,7 +22,7 @@ class PairErrors:
 
     flanks: TurnedFlanks
     mesh: MeshLines
-    pairs: NDArray[np.int64]  # (p)
+    pairs: Integers  # (p)
     touching: TouchingPoints  # (p * k), pair by pair
 
     @classmethod
@@ -55,7 +54,7 @@ class PairErrors:
         """
         return self.carrying_at(ahead)[1].gap
 
-    def carrying_at(self, ahead: Array) -> tuple[NDArray[np.int64], TouchingPoints]:
+    def carrying_at(self, ahead: Array) -> tuple[Integers, TouchingPoints]:
         """Number of the pair that carries (m) and its point of contact, at rotations as of ``envelope_at``."""
         course = self._course[0]
         before, share = self._between_positions(ahead[None, :], np.arange(self.pairs.size)[:, None])
@@ -75,16 +74,16 @@ class PairErrors:
         touching.points[:, lost] = np.nan
         return carrying, touching
 
-    def touching_at(self, pair: NDArray[np.int64], ahead: Array) -> TouchingPoints:
+    def touching_at(self, pair: Integers, ahead: Array) -> TouchingPoints:
         """Points of contact of given pairs (n), by their numbers, each at a rotation (n) as of ``envelope_at``."""
         before, share = self._between_positions(ahead, pair)
         return self._found(self._course[0], before, share, self.rotations_at(ahead, pair))
 
-    def rotations_at(self, ahead: Array, pair: NDArray[np.int64]) -> Array:
+    def rotations_at(self, ahead: Array, pair: Integers) -> Array:
         """Pinion rotations [rad], counted as the roll angle of each pair, at rotations as of ``envelope_at``."""
         return np.asarray(self.mesh.rotations[0] + (ahead - self.pairs[pair]) * self.mesh.pinion_pitch)
 
-    def _between_positions(self, ahead: Array, pair: NDArray[np.int64]) -> tuple[NDArray[np.int64], Array]:
+    def _between_positions(self, ahead: Array, pair: Integers) -> tuple[Integers, Array]:
         """Elements of the course before places of pairs, and how far on towards the next."""
         turned, wanted = self._course[1], self.rotations_at(ahead, pair)
         before = np.clip(np.searchsorted(turned, wanted, side="right") - 1, 0, turned.size - 2)
@@ -97,7 +96,7 @@ class PairErrors:
         order = np.argsort(turned)
         return self.touching.at(order), turned[order]
 
-    def _found(self, course: TouchingPoints, before: NDArray[np.int64], share: Array, wanted: Array) -> TouchingPoints:
+    def _found(self, course: TouchingPoints, before: Integers, share: Array, wanted: Array) -> TouchingPoints:
         """Points of contact (n) at rotations (n) from those of a course (m) between which they lie."""
         first, second = course.at(before), course.at(before + 1)
         near = np.max(np.abs(first.points - second.points), axis=0) < NEIGHBOUR_DISTANCE_LIMIT
@@ -124,7 +123,7 @@ def smallest(values: Array) -> Array:
     return np.where(np.isfinite(minimum), minimum, np.nan)
 
 
-def _between(values: Array, before: NDArray[np.int64], share: Array) -> tuple[Array, Array]:
+def _between(values: Array, before: Integers, share: Array) -> tuple[Array, Array]:
     """Values between those of a course (m), and by how much they may be wrong, at places after its elements (...)."""
     first, second = values[before], values[before + 1]
     middle = np.where(np.isfinite(first), first, second) * (1.0 - share)

@@ -16,7 +16,6 @@ from pathlib import Path
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ..cases.analysis_size import AnalysisSize
 from ..cases.deflection_table import MisalignmentSource
@@ -26,7 +25,7 @@ from ..contact.archard_wear import Engagement, engagement, integral, on_flank, r
 from ..contact.lines.flank_splines import FlankSplines
 from ..contact.mesh_cycle import MeshCycle
 from ..contact.solvers import Status
-from ..core.arrays import Array
+from ..core.arrays import Array, Bools
 from ..core.attributes import labelled
 from ..core.checks import instance, number, positive, whole
 from ..core.errors import GeometryError, InputError, time_in_words
@@ -316,7 +315,7 @@ class _Run:
         self.volume = dict.fromkeys(MEMBERS, 0.0)
         self.revolutions = 0.0
         self.stop: str | None = None
-        self.touched: dict[str, NDArray[np.bool_]] = {}
+        self.touched: dict[str, Bools] = {}
         self._solve()
 
     def _deviation(self, name: str) -> Deviation:

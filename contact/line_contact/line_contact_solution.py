@@ -21,9 +21,8 @@ from dataclasses import fields
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import Bools, RealArray as Array
 from ...core.errors import InputError
 from ..problem.certificate import EXACT_TOLERANCE, vector_of, with_certificate
 from ..problem.contact_problem import ContactProblem
@@ -78,7 +77,7 @@ class NativeStep:
         self.tolerance = limits.exact_tolerance
         self.method = self.reason = ""
 
-    def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
+    def __call__(self, tangent: Array, separation: Array, active: Bools) -> tuple[Array, float] | Status:
         """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
         compliance = self._bending.compliance_matrix.with_added(tangent)
         data = (separation, self._bending.lever_arm, self._bending.torque, compliance)
@@ -98,7 +97,7 @@ class BackendStep:
         self.polished = polish
         self.method = self.reason = ""
 
-    def __call__(self, tangent: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
+    def __call__(self, tangent: Array, separation: Array, active: Bools) -> tuple[Array, float] | Status:
         """Return forces [N] and rotation beyond first contact [rad] with this diagonal added, or why there are none."""
         problem = self._bending.with_added_compliance(tangent, separation)
         solution = solve(problem, self._solver, polish=self._polish, **self._settings)
@@ -154,7 +153,7 @@ class NewtonIteration:
                 break  # nothing is left but the accuracy of the solver
         return None
 
-    def _solve(self, local: Array, separation: Array, active: NDArray[np.bool_]) -> tuple[Array, float] | Status:
+    def _solve(self, local: Array, separation: Array, active: Bools) -> tuple[Array, float] | Status:
         if not (np.isfinite(local).all() and np.isfinite(separation).all() and local.min() >= 0.0):
             self.message = "line contact gives no finite positive compliance"
             return Status.INVALID_DATA

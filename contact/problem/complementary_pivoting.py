@@ -20,6 +20,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.arrays import Bools
+
 #: An entry of the entering column below this, relative to the largest, is rounding.
 PIVOT_TOLERANCE = 1e-11
 #: Ratios that differ by less, relative to the level of the column, are ties.
@@ -74,7 +76,7 @@ def _pivot(tableau: NDArray[np.float64], row: int, column: int) -> None:
     tableau[row, column] = 1.0
 
 
-def _leaving_row(tableau: NDArray[np.float64], entering: int, is_artificial: NDArray[np.bool_]) -> int | None:
+def _leaving_row(tableau: NDArray[np.float64], entering: int, is_artificial: Bools) -> int | None:
     """Row of the least ratio, the artificial variable first, then lexicographically; None on a ray."""
     column = tableau[:, entering]
     rows = np.flatnonzero(column > PIVOT_TOLERANCE * max(float(np.abs(column).max()), 1.0))

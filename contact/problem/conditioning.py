@@ -38,8 +38,6 @@ from .compliance_matrix import ModalCompliance, OperatorCompliance
 from .contact_problem import ContactProblem
 from .error_free import UNIT_ROUNDOFF, dot_terms
 
-Mask = Bools
-
 #: Segments of a structured compliance from which on its eigenvalues are bounded by the local part alone.
 EIGENVALUE_SIZE_LIMIT = 1000
 #: Rounds of finding open segments, and of sharper bounds with the others.
@@ -59,7 +57,7 @@ class Conditioning:
     """
 
     unique: bool | None
-    may_touch: Mask  # (n), not shown to be open in every solution
+    may_touch: Bools  # (n), not shown to be open in every solution
     #: Of C scaled to a unit diagonal, on segments that may touch and forces without moment, less rounding; zero where
     #: forces are not determined, infinite where equilibrium alone determines them.
     smallest_eigenvalue: float
@@ -174,7 +172,7 @@ class _Split:
         return bound * MARGIN
 
 
-def _smallest_eigenvalue(problem: ContactProblem, weight: Array, chosen: Mask) -> float:
+def _smallest_eigenvalue(problem: ContactProblem, weight: Array, chosen: Bools) -> float:
     """Lower bound of the smallest eigenvalue of C / (s s') on chosen segments (n) and on r'D = 0."""
     matrix, scale = problem.compliance_matrix, weight[chosen]
     size = scale.size

@@ -38,8 +38,6 @@ from ...core.kernels import kernel
 _kernel = kernel(".mode_kernel", __package__)
 label_blocks, arrange = _kernel.label_blocks, _kernel.arrange
 
-Whole = Integers
-
 #: One segment stands for so many on the next level.
 STRIDE = 4
 #: On every level a block has at least so many segments.
@@ -50,10 +48,10 @@ MAX_LEVELS = 5
 class ModeColumns(NamedTuple):
     """Modes [(mm/N)^0.5] of one compliance, by levels (l) and blocks (q), each with the columns it shares."""
 
-    places: Whole  # first place of every level in order (l)
+    places: Integers  # first place of every level in order (l)
     #: (l, q, 4): first place from that of the level, number of segments, first entry of columns, number of modes.
-    blocks: Whole
-    order: Whole
+    blocks: Integers
+    order: Integers
     columns: Array
     #: (4, n) [mm/N] by segments: diagonal and row sums of U U', diagonal of W W', and that if no terms of W cancelled;
     #: the last two only with shared modes.
@@ -439,9 +437,9 @@ def basis_of_blocks(
 class BlockLabels(NamedTuple):
     """Groups of rows and columns of V (n, k) that share no entry but zero."""
 
-    row: Whole  # number of the group of each row (n), in the order of their first rows
-    column: Whole  # of each column (k); -1 of a column of zeros
-    rows: Whole  # number of rows of each group
+    row: Integers  # number of the group of each row (n), in the order of their first rows
+    column: Integers  # of each column (k); -1 of a column of zeros
+    rows: Integers  # number of rows of each group
     has_full_rows: bool  # each group has a row without zeros, so that no column couples others
 
     @property

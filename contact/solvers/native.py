@@ -18,8 +18,8 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Bools
 from ...core.checks import one_of
 from ...core.errors import InputError
 from ..problem.scaled_problem import ScaledProblem
@@ -30,11 +30,10 @@ from .projected_conjugate_gradients import projected_conjugate_gradients
 from .solution import ScaledAnswer
 from .solver_limits import UNLIMITED, StepBudget
 
-Mask = NDArray[np.bool_]
 Answers = Iterator[ScaledAnswer | None]
 
 
-def _modal(problem: ScaledProblem, active: Mask, budget: StepBudget) -> ScaledAnswer | None:
+def _modal(problem: ScaledProblem, active: Bools, budget: StepBudget) -> ScaledAnswer | None:
     if not budget.step():
         return None
     answer = scaled_answer(problem, active)
@@ -43,7 +42,7 @@ def _modal(problem: ScaledProblem, active: Mask, budget: StepBudget) -> ScaledAn
     return ScaledAnswer(*answer, "modal")
 
 
-def _anew(problem: ScaledProblem, active: Mask, budget: StepBudget, near: ScaledAnswer | None) -> Answers:
+def _anew(problem: ScaledProblem, active: Bools, budget: StepBudget, near: ScaledAnswer | None) -> Answers:
     """Answers of the primal active set whose segments in contact are solved for anew.
 
     Near a singular compliance its updated inverse loses digits; the touching set is then better known of a compliance
@@ -60,7 +59,7 @@ def _anew(problem: ScaledProblem, active: Mask, budget: StepBudget, near: Scaled
 
 
 #: Methods by name, in the order of the cascade: in words, for messages, and as a function.
-METHODS: dict[str, tuple[str, Callable[[ScaledProblem, Mask, StepBudget], ScaledAnswer | None]]] = {
+METHODS: dict[str, tuple[str, Callable[[ScaledProblem, Bools, StepBudget], ScaledAnswer | None]]] = {
     "modal": ("Newton's method in the space of the modes", _modal),
     "primal_dual_active_set": ("primal-dual active set", primal_dual_active_set),
     "primal_active_set": ("primal active set", primal_active_set),
@@ -71,7 +70,7 @@ DIAGONAL_SHARE = 1e-10
 
 
 def answers(
-    problem: ScaledProblem, active: Mask, settings: dict[str, Any], budget: StepBudget = UNLIMITED
+    problem: ScaledProblem, active: Bools, settings: dict[str, Any], budget: StepBudget = UNLIMITED
 ) -> Iterator[tuple[str, ScaledAnswer]]:
     """Yield methods and their answers in turn; the caller stops at the first it accepts.
 

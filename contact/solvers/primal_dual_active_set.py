@@ -24,7 +24,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import Bools, RealArray as Array
 from ..problem.scaled_problem import ScaledProblem
 from .solution import ScaledAnswer
 from .solver_limits import UNLIMITED, StepBudget
@@ -40,7 +40,7 @@ RELAXED_SIGN_TOLERANCE = 1e-11
 
 def primal_dual_active_set(
     problem: ScaledProblem,
-    active: NDArray[np.bool_],
+    active: Bools,
     budget: StepBudget = UNLIMITED,
     *,
     max_iterations: int | None = None,
@@ -110,7 +110,7 @@ STALLED_STEPS, SMALLEST_STEP = 20, 1e-12
 
 def primal_active_set(
     problem: ScaledProblem,
-    start: NDArray[np.bool_] | None = None,
+    start: Bools | None = None,
     budget: StepBudget = UNLIMITED,
 ) -> ScaledAnswer | None:
     """Solve the scaled problem by feasible descent; None if it did not end, or the energy has no minimum.
@@ -175,7 +175,7 @@ def primal_active_set(
     return None
 
 
-def _start(problem: ScaledProblem, start: NDArray[np.bool_] | None) -> tuple[DenseTouching, Array]:
+def _start(problem: ScaledProblem, start: Bools | None) -> tuple[DenseTouching, Array]:
     """Touching segments whose forces are unique, and equal forces of them (n); no forces without a torque."""
     loaded = np.zeros(problem.lever_arm.size, dtype=np.bool_)
     if start is not None and problem.torque > 0.0:

@@ -14,14 +14,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import Bools, RealArray as Array
 from ..problem.scaled_problem import ScaledProblem
 from .solution import ScaledAnswer, Status
 from .solver_limits import UNLIMITED, StepBudget
-
-Mask = NDArray[np.bool_]
 
 #: Gap of a segment in contact, over the mean deflection, at which the method ends.
 GAP_TOLERANCE = 1e-11
@@ -32,7 +29,7 @@ RENEWAL_INTERVAL = 50
 
 
 def projected_conjugate_gradients(
-    problem: ScaledProblem, active: Mask, budget: StepBudget = UNLIMITED
+    problem: ScaledProblem, active: Bools, budget: StepBudget = UNLIMITED
 ) -> ScaledAnswer | None:
     """Solve a scaled contact problem by products with its compliance; None without torque."""
     arm, separation, torque = problem.lever_arm, problem.separation, problem.torque
@@ -101,14 +98,14 @@ def _balanced(force: Array, arm: Array, torque: float) -> Array:
     return force + ((torque - moment) / float(closing @ closing)) * closing
 
 
-def _gaps(rigid: Array, arm: Array, loaded: Mask) -> tuple[float, Array]:
+def _gaps(rigid: Array, arm: Array, loaded: Bools) -> tuple[float, Array]:
     """Rotation at which the gaps of the loaded segments vanish in the mean, weighted by arms, and all gaps there."""
     loaded_arm = np.where(loaded, arm, 0.0)
     rotation = float(loaded_arm @ rigid) / float(loaded_arm @ loaded_arm)
     return rotation, rigid - rotation * arm
 
 
-def _settled(gap: Array, loaded: Mask, scale: float) -> bool:
+def _settled(gap: Array, loaded: Bools, scale: float) -> bool:
     """True if the loaded segments touch and no other is penetrated."""
     worst = max(float(np.abs(gap[loaded]).max()), -float(gap.min()))
     return worst <= GAP_TOLERANCE * scale

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.arrays import Bools
 from ...core.checks import array, instance, one_of, shown, truth
 from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE, unscaled, with_certificate
@@ -192,16 +193,14 @@ class _Request:
     problem: ContactProblem
     limits: Limits
     polish: bool
-    active: NDArray[np.bool_] | None
+    active: Bools | None
     force: NDArray[np.float64] | None
     form: str
     settings: dict[str, Any]
     start: float
 
 
-def compiled_solution(
-    problem: ContactProblem, active: NDArray[np.bool_] | None, start: float
-) -> ContactSolution | None:
+def compiled_solution(problem: ContactProblem, active: Bools | None, start: float) -> ContactSolution | None:
     """Certified solution of a compiled method, or None; ``start`` is when the call began [s]."""
     matrix = problem.compliance_matrix
     if is_small(matrix, problem.size):
@@ -353,7 +352,7 @@ def _is_installed(name: str) -> bool:
     return importlib.util.find_spec(package) is not None
 
 
-def as_mask(active: ArrayLike, size: int) -> NDArray[np.bool_]:
+def as_mask(active: ArrayLike, size: int) -> Bools:
     """Return a warm start as a mask of the segments (n); raises as `solve`."""
     try:
         array = np.asarray(active)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import Bools, RealArray as Array
 from ...core.errors import InputError
 from ..outcomes import Status as Status
 from ..problem.certificate import NO_CERTIFICATE, Answer, Certificate, no_answer
@@ -193,7 +193,7 @@ class ContactSolution:
         return conditioning(answer.problem, answer.force, answer.elastic_rotation)
 
     @property
-    def active(self) -> NDArray[np.bool_]:
+    def active(self) -> Bools:
         """Segments that carry load, (n): the warm start of a neighbouring problem.
 
         An exact answer, of the native solver or polished, has zero on all others. In the answer of another solver a

@@ -53,7 +53,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs, dpocon, dpotrf, dpotri, dpotrs
 
-from ...core.arrays import RealArray as Array
+from ...core.arrays import Bools, RealArray as Array
 from ..problem.scaled_problem import ScaledProblem
 
 
@@ -223,7 +223,7 @@ class DenseTouching:
     unique are left out.
     """
 
-    def __init__(self, compliance: Array, lever_arm: Array, active: NDArray[np.bool_]) -> None:
+    def __init__(self, compliance: Array, lever_arm: Array, active: Bools) -> None:
         self._compliance, self._arm = compliance, lever_arm
         self._index = np.empty(0, dtype=np.intp)
         self._factor: TouchingFactor | None = None
@@ -238,7 +238,7 @@ class DenseTouching:
                 self.enter(int(segment))
 
     @property
-    def active(self) -> NDArray[np.bool_]:
+    def active(self) -> Bools:
         """The touching segments (n), a copy."""
         mask = np.zeros(self._arm.size, dtype=np.bool_)
         mask[self._index] = True
@@ -398,7 +398,7 @@ class ModalProblem:
     problem: ScaledProblem
     local: Array
     modes: Array  # U (n, m), compressed where there are many segments
-    rigid: NDArray[np.bool_]  # (n), local compliance not divided by
+    rigid: Bools  # (n), local compliance not divided by
 
     @classmethod
     def of(cls, problem: ScaledProblem) -> ModalProblem | None:

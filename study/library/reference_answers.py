@@ -24,6 +24,7 @@ from scipy.linalg.lapack import dgetrf, dgetrs
 
 from ...contact.problem.contact_problem import ContactProblem
 from ...contact.solvers import solve
+from ...core.arrays import Bools
 from ...core.output_file import whole_file
 
 Wide = NDArray[np.longdouble]
@@ -123,7 +124,7 @@ def proved_answer(name: str, problem: ContactProblem) -> ReferenceAnswer:
     )
 
 
-def refined_rotation(problem: ContactProblem, active: NDArray[np.bool_]) -> float:
+def refined_rotation(problem: ContactProblem, active: Bools) -> float:
     """Rotation beyond first contact in extended precision [rad], if just these segments (n) touch.
 
     NaN if the conditions are singular, or another force or gap has a sign wrong by more than ``SIGN_TOLERANCE``.

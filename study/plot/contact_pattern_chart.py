@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...contact.evaluation.flank_region import FlankRegion
@@ -20,12 +19,13 @@ from ...contact.evaluation.marking_print import MarkingPrint, checked_thickness
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.evaluation.tooth_passage import CarryingError
 from ...contact.outcomes import Status
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools, Integers
 from ...geometry.tooth.tooth_flanks import MemberName
+from ..summary.curves import torque_name
 from .drawing_style import picture
 from .drawn_result import flank_views, require_result
 from .mesh_cycle_charts import draw_surface, pressure_levels
-from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, legend_at_foot, panel_titles, torque_name
+from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, legend_at_foot, panel_titles
 from .panel_grid import chosen_parts, panels
 from .pattern_lines import contact_pattern as pattern_of, draw_pattern, path_beyond
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
@@ -177,8 +177,6 @@ def _entries() -> list[Any]:
     ]
 
 
-Truths = NDArray[np.bool_]
-
 PANEL_SHARE = 0.87  # width of a panel over that of its column
 DIGIT_WIDTH, POINT_WIDTH, DIGIT_HEIGHT = 0.64, 0.32, 0.74  # over the size of the type
 CANDIDATE_STEP = 3.0  # [pt] between points that are tried
@@ -193,7 +191,7 @@ LABEL_DISTANCE = 150.0  # [pt] between numbers of the same level
 class Region:
     """Region in which the numbers of contour lines may stand."""
 
-    holds: Callable[[Array], Truths]  # of points (n, 2) [mm]
+    holds: Callable[[Array], Bools]  # of points (n, 2) [mm]
     border: Array  # (k, 2) [mm], closely spaced
 
 
@@ -210,14 +208,14 @@ def triangulated(mesh: Triangulation) -> Region:
     sides = border_sides(mesh)
     border = np.concatenate([dense(corners[side]) for side in sides]) if len(sides) else np.zeros((0, 2))
 
-    def holds(points: Array) -> Truths:
+    def holds(points: Array) -> Bools:
         triangles: Any = find(*points.T)
         return np.asarray(triangles >= 0)
 
     return Region(holds, border)
 
 
-def border_sides(mesh: Triangulation) -> NDArray[np.int64]:
+def border_sides(mesh: Triangulation) -> Integers:
     """Both ends (n, 2) of the sides that belong to one triangle only."""
     shown = mesh.get_masked_triangles()
     sides = np.sort(np.concatenate([shown[:, [0, 1]], shown[:, [1, 2]], shown[:, [2, 0]]]), axis=1)

@@ -22,7 +22,7 @@ from ...friction import FrictionModel
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...friction.operation import named_models
 from ..result_layout import CONDITIONS
-from ..summary.curves import efficiency_chart
+from ..summary.curves import efficiency_chart, torque_name
 from ..summary.plausibility import TOLD_SHARE, range_notes
 from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS, roughness_words, value_name
 from .contact_pattern_chart import (
@@ -51,7 +51,6 @@ from .page import (
     plain_axes,
     plain_bar,
     torque_colours,
-    torque_name,
 )
 from .panel_grid import TORQUE_TOLERANCE, chosen_parts, panels
 from .tooth_view import ToothView, draw_flank, fine_grid

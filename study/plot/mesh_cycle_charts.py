@@ -31,7 +31,7 @@ from ...contact.outcomes import Status
 from ...core.arrays import Array
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..summary.curves import CYCLE, Chart, root_stress_charts, transmission_error_charts
+from ..summary.curves import CYCLE, Chart, root_stress_charts, torque_name, transmission_error_charts
 from ..summary.plausibility import edge_notes, jump_notes
 from .drawing_style import picture
 from .drawn_result import flank_views, require_result
@@ -56,7 +56,6 @@ from .page import (
     plain_bar,
     plain_legend,
     torque_colours,
-    torque_name,
 )
 from .panel_grid import chosen_parts, chosen_torques, panels
 from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side

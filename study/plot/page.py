@@ -12,10 +12,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Integers
 from ...core.errors import printable
 from ...core.output_file import whole_file
 from ..analysis.key_numbers import deviations, model_name, modification
-from ..summary.curves import torque_name as torque_name
 from ..summary.deflection_report import error_values, misalignment_over_torque
 from ..summary.table import with_signs
 
@@ -193,7 +193,7 @@ def plain_bar(bar: Colorbar, label: str) -> None:
     bar.outline.set_visible(False)
 
 
-def evenly_chosen(values: NDArray[Any], most: int = PANEL_COUNT_LIMIT) -> NDArray[np.int64]:
+def evenly_chosen(values: NDArray[Any], most: int = PANEL_COUNT_LIMIT) -> Integers:
     """Indices of at most ``most`` values (n), rising with the values, spread evenly with both ends."""
     order = np.argsort(values, kind="stable")
     ranks = np.unique(np.linspace(0, order.size - 1, min(most, order.size)).round().astype(int))

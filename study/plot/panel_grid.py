@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from ...core.arrays import Integers
 from ...core.checks import distinct, words
 from ...core.errors import InputError, suggestion
 from .page import evenly_chosen, page
@@ -69,7 +70,7 @@ def _flat(own: Any) -> list[Any]:
     return [axes for part in own for axes in _flat(part)] if isinstance(own, list | tuple) else [own]
 
 
-def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None, most: int) -> NDArray[np.int64]:
+def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None, most: int) -> Integers:
     """Indices of the wanted among torques (n) [N m]; if none is wanted, of at most ``most``, spread evenly."""
     if wanted is None:
         return evenly_chosen(torques, most)

@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...contact.evaluation.tooth_passage import ToothPassage, tooth_passage
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankSplines
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools
 from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION
 from .tooth_view import ToothView, draw_flank
 
@@ -53,7 +52,7 @@ class ContactPattern:
 
     lines: Array  # (m, 2, LINE_POINT_COUNT) within the separation, else NaN
     path: Array  # (m, 2)
-    carrying: NDArray[np.bool_]  # (m), true where this pair carries
+    carrying: Bools  # (m), true where this pair carries
     ranges: tuple[CarryingRange, ...]
 
 
@@ -123,7 +122,7 @@ def on_common_flank(splines: FlankSplines, path: Array, ends: Array) -> Array:
     return result
 
 
-def _outside(splines: FlankSplines, points: Array) -> NDArray[np.bool_]:
+def _outside(splines: FlankSplines, points: Array) -> Bools:
     """True (...) at points (2, ...) that lie beyond the common flank."""
     beyond_gear = np.any((points < 0.0) | (points > 1.0), axis=0)
     return np.asarray(beyond_gear | (boundary_distance(splines, points) < 0.0))

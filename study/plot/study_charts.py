@@ -23,7 +23,7 @@ from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
-from ..summary.curves import Chart, wear_charts
+from ..summary.curves import Chart, torque_name, wear_charts
 from ..summary.deflection_report import misalignment_over_torque
 from ..summary.quantities import TITLES, UNIT_SIGNS
 from .drawing_style import picture
@@ -44,7 +44,6 @@ from .page import (
     plain_bar,
     plain_legend,
     torque_colours,
-    torque_name,
 )
 from .panel_grid import chosen_parts, panels
 

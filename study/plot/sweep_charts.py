@@ -13,6 +13,7 @@ from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import InputError
 from ..result_layout import PATTERN
+from ..summary.curves import torque_name
 from ..summary.quantities import TITLES, UNIT_SIGNS
 from ..summary.sweep_report import outcome
 from ..sweep.reductions import LOADS, ROWS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
@@ -31,7 +32,6 @@ from .page import (
     plain_bar,
     plain_legend,
     torque_colours,
-    torque_name,
 )
 from .panel_grid import chosen_parts, panels
 

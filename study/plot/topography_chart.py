@@ -15,14 +15,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import fit
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools
 from ...core.errors import InputError
 from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
 from ..case_correction import CaseCorrection
+from ..summary.curves import torque_name
 from ..summary.quantities import TITLES
 from .contact_pattern_chart import number_lines, outlined
 from .drawing_style import drawing, picture
@@ -40,7 +40,6 @@ from .page import (
     plain_bar,
     plain_legend,
     save,
-    torque_name,
 )
 from .panel_grid import chosen_parts, panels
 from .pattern_lines import contact_pattern, draw_path, legend_below
@@ -346,7 +345,7 @@ SHADES = ("#ffffff", "#d9e6f0", "#a9c8df", "#6fa3c8")
 LEVEL_COUNT_LIMIT = 16
 
 
-def ease_off_map(view: ToothView) -> tuple[Array, Array, NDArray[np.bool_]]:
+def ease_off_map(view: ToothView) -> tuple[Array, Array, Bools]:
     """Fractions (2, nt, nh) on a fine grid, ease-off (nt, nh) [um], and truth on the common flank (nt, nh)."""
     grid = fine_grid()
     values = view.fields.evaluate(["ease_off_angle", "lever_arm"], grid)
@@ -417,7 +416,7 @@ def ease_off(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
 def draw_map(
     axes: Axes,
     view: ToothView,
-    mapped: tuple[Array, Array, NDArray[np.bool_]],
+    mapped: tuple[Array, Array, Bools],
     levels: Array,
     linewidth: float = 0.7,
     **shades: Any,

@@ -15,11 +15,10 @@ from functools import cached_property
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...contact.lines.contact_lines import boundary_distance
 from ...contact.lines.flank_splines import FlankSplines, fit
-from ...core.arrays import Array
+from ...core.arrays import Array, Integers
 from ...core.attributes import ordered
 from ...core.checks import file_path, number, two_whole
 from ...core.errors import InputError
@@ -34,8 +33,6 @@ from ..plot.tooth_view import ToothView, fine_grid, tooth_view
 from .flank_pictures import gear_raster, rasterised
 from .mesh_scene import flank_places, loaded_patch, member_turns, pair_of_result, placed, turned
 from .stored_case import stored_case
-
-Index = NDArray[np.int64]
 
 #: Values of a segment in a file, by the name there: group, variable and factor.
 SEGMENT_VALUES = {
@@ -58,8 +55,8 @@ class Segments:
     """Loaded segments (n) at a mesh position."""
 
     points: Array  # (2, n), fractions of the middles on the gear flank
-    tooth: Index
-    line: Index
+    tooth: Integers
+    line: Integers
     length: Array  # [mm] each
     half_width: Array
     values: dict[str, Array]
@@ -115,7 +112,7 @@ def strip_corners(segments: Segments, splines: FlankSplines) -> Array:
     )
 
 
-def _directions(middle: Array, line: Index, default: Array) -> Array:
+def _directions(middle: Array, line: Integers, default: Array) -> Array:
     """Directions (n, 3) of the contact lines at the middles (n, 3) of their segments."""
     directions = default.copy()
     for one in np.unique(line):

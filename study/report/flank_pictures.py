@@ -21,7 +21,7 @@ from ...contact.evaluation.marking_print import MarkingPrint
 from ...contact.evaluation.pressure_map import pressure_map
 from ...contact.evaluation.tooth_passage import CarryingError
 from ...contact.lines.contact_lines import boundary_distance
-from ...core.arrays import Array
+from ...core.arrays import Array, Bools, Integers
 from ...core.attributes import ordered
 from ...core.errors import EaseoffError
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
@@ -40,7 +40,7 @@ CORNER_TOLERANCE = 1e-9  # of a barycentric coordinate
 AREA_MINIMUM = 1e-9  # of a triangle, twice, in meshes of the raster
 
 
-def rasterised(points: Array, values: Array, triangles: NDArray[np.int64], shape: tuple[int, int] = RASTER) -> Array:
+def rasterised(points: Array, values: Array, triangles: Integers, shape: tuple[int, int] = RASTER) -> Array:
     """Values (*shape) on an even grid, linear in triangles (m, 3) of points (2, n), as fractions; NaN beside them.
 
     Where triangles overlap the greatest value counts.
@@ -89,7 +89,7 @@ def gear_raster(grid: Array, values: Array, view: ToothView, shape: tuple[int, i
     return rasterised(points, values.ravel(), np.concatenate([first, second]), shape)
 
 
-def on_lines(at_torque: xr.Dataset) -> tuple[NDArray[np.bool_], Array]:
+def on_lines(at_torque: xr.Dataset) -> tuple[Bools, Array]:
     """Which segments (mesh_position, segment) of contact lines carry load, and the fractions (2, n) of those."""
     order = ("mesh_position", "segment")
     loaded = np.nan_to_num(ordered(at_torque, "pressure", *order)) > 0.0

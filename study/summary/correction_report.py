@@ -13,8 +13,8 @@ from dataclasses import asdict
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from ...core.arrays import Bools
 from ...geometry.cutting.named_settings import get_setting, setting_step
 from ...geometry.deviation.corrective_settings import EFFECT_LIMIT, CorrectedFlank, Correction
 from ...geometry.deviation.deviation import zeroed
@@ -349,7 +349,7 @@ def _proposals(record: xr.Dataset) -> list[str]:
     return lines
 
 
-def _at_limit(record: xr.Dataset) -> NDArray[np.bool_]:
+def _at_limit(record: xr.Dataset) -> Bools:
     """Which settings (n) are at the end of their range."""
     low, value, high = (record[f"setting_{name}"].values for name in ("low", "value", "high"))
     return np.asarray(np.minimum(value - low, high - value) < LIMIT_SHARE * (high - low))

@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.outcomes import LineEnd, Status
+from ...core.arrays import Bools
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
 from ..result_layout import CONDITIONS, PATTERN
@@ -220,11 +221,11 @@ def over_conditions(friction: xr.Dataset, name: str) -> NDArray[Any]:
     return friction[name].transpose(*CONDITIONS).values
 
 
-def is_rough(friction: xr.Dataset) -> NDArray[np.bool_]:
+def is_rough(friction: xr.Dataset) -> Bools:
     """True where much of the power loss is outside the range of the formula, over the operating conditions."""
     if "extrapolated_share" not in friction:
         return np.zeros([friction.sizes[name] for name in CONDITIONS], dtype=bool)
-    rough: NDArray[np.bool_] = np.nan_to_num(over_conditions(friction, "extrapolated_share")) >= ROUGH_SHARE
+    rough: Bools = np.nan_to_num(over_conditions(friction, "extrapolated_share")) >= ROUGH_SHARE
     return rough
 
 

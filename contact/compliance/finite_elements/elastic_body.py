@@ -128,7 +128,6 @@ def stiffness(
     return csc_array((entries.ravel(), (rows, columns)), shape=(3 * len(nodes), 3 * len(nodes)))
 
 
-Integers = Integers
 BRICKS_PER_LEAF = 8  # of the smallest piece, whose bricks are joined at once
 SMALLER_HALF_MINIMUM = 0.4  # share of a piece's bricks, where its lattice allows it
 NO_NODES = np.empty(0, dtype=np.int64)

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.arrays import RealArray as Array
+from ....core.arrays import Bools, Integers, RealArray as Array
 from ....core.kernels import kernel
 from ...problem.certificate import RESOLUTION_LIMIT, Answer, Certificate, with_certificate
 from ...problem.compliance_matrix import ComplianceMatrix, DenseCompliance, ModalCompliance
@@ -47,7 +47,7 @@ class CompiledAnswer(NamedTuple):
     solve_time: float = math.nan
 
 
-def linear_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = None) -> CompiledAnswer | None:
+def linear_answer(problem: ContactProblem, active: Bools | None = None) -> CompiledAnswer | None:
     """Solve a contact problem of given compliance.
 
     Parameters
@@ -89,7 +89,7 @@ def is_small(matrix: ComplianceMatrix, size: int) -> bool:
     return isinstance(matrix, DenseCompliance) and size <= LARGEST_DENSE
 
 
-def dense_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = None) -> CompiledAnswer | None:
+def dense_answer(problem: ContactProblem, active: Bools | None = None) -> CompiledAnswer | None:
     """Solve a contact problem with a small matrix by the active set, see `linear_answer` and `is_small`."""
     matrix, size = problem.compliance_matrix, problem.size
     if not problem.torque > 0.0:
@@ -113,7 +113,7 @@ def dense_answer(problem: ContactProblem, active: NDArray[np.bool_] | None = Non
     return CompiledAnswer(answer_of(problem, force, gap, numbers), steps, _NO_FACTOR, math.nan, *times)
 
 
-def scaled_answer(problem: ScaledProblem, active: NDArray[np.bool_]) -> tuple[Array, float, int] | None:
+def scaled_answer(problem: ScaledProblem, active: Bools) -> tuple[Array, float, int] | None:
     """Solve a scaled problem: forces (n), rotation and steps; None where the method cannot be used or did not end.
 
     Parameters
@@ -209,7 +209,7 @@ def _given_factor(matrix: ModalCompliance) -> Array:
 def _solved(
     modes: ModeColumns, torque: Array, separation: Array, arm: Array, local: Array, diagonal: Array, *,
     law: Array = _NO_LAW, mask: NDArray[np.uint8] = _NO_MASK, factor: Array = _NO_FACTOR,
-) -> tuple[Array, Array, Array, Array, NDArray[np.int64]]:  # fmt: skip
+) -> tuple[Array, Array, Array, Array, Integers]:  # fmt: skip
     """Results of `solve_batch`: forces, gaps, secant compliances of line contacts, numbers and counts."""
     shape = separation.shape
     found = np.empty(shape), np.empty(shape), np.empty(shape if law.size else (0, 0)), np.empty((shape[0], 10))

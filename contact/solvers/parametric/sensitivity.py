@@ -183,8 +183,6 @@ class SolutionChange:
     message: str = ""
 
 
-Mask = Bools
-
 #: Gap that opens at segments whose forces are not unique, relative to the largest, that is taken for rounding.
 CONSISTENCY_TOLERANCE = 1e-9
 
@@ -220,8 +218,8 @@ class Sensitivity:
     force: Array
     gap: Array
     rotation: float
-    loaded: Mask
-    weak: Mask
+    loaded: Bools
+    weak: Bools
     _tangent: ComplianceMatrix = field(repr=False)
     _deflection: Array = field(repr=False)
 
@@ -401,7 +399,7 @@ class Sensitivity:
         """The system of the loaded segments; it is never changed."""
         return touching_system(self._tangent, self.problem.lever_arm, self.loaded)
 
-    def _undetermined(self, system: TouchingSystem) -> Mask:
+    def _undetermined(self, system: TouchingSystem) -> Bools:
         """Loaded segments that the system leaves out, because their forces are not unique (n)."""
         return np.asarray(self.loaded & ~system.active)
 

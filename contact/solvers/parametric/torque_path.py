@@ -32,8 +32,6 @@ from ..solution import ContactSolution, Status, judged
 from .touching_form import TouchingSystem, touching_system
 from .weak_segments import loaded_and_weak, system_in_direction
 
-Mask = Bools
-
 #: Forces and gaps that vanish within this part of their scales at an event vanish together.
 TIE_TOLERANCE = 1e-13
 #: A rate below this, relative to the largest of its kind, is rounding.
@@ -169,7 +167,7 @@ def _followed(problem: ContactProblem, low: float, high: float) -> FollowedPath:
     return path
 
 
-def _note(path: FollowedPath, torque: float, before: Mask, after: Mask) -> None:
+def _note(path: FollowedPath, torque: float, before: Bools, after: Bools) -> None:
     path.changes += [(torque, int(segment), bool(after[segment])) for segment in np.flatnonzero(before ^ after)]
 
 
@@ -209,7 +207,7 @@ def _beyond(problem: ContactProblem, point: _Point, vanishing: NDArray[np.intp],
     return _resolved(problem, point.active & ~tied, tied, torque) or _sought(problem, torque, torque)
 
 
-def _resolved(problem: ContactProblem, loaded: Mask, weak: Mask, torque: float) -> _Point | None:
+def _resolved(problem: ContactProblem, loaded: Bools, weak: Bools, torque: float) -> _Point | None:
     """The point where the weak segments are told apart by the direction of a rising torque."""
     matrix, arm = problem.compliance_matrix, problem.lever_arm
     nothing = np.zeros(problem.size)

@@ -17,7 +17,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.arrays import RealArray as Array
+from ....core.arrays import Bools, RealArray as Array
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ...problem.modal_basis import ModalBasis
 from ..compiled.compiled_answer import SMALLEST_LOCAL_FRACTION
@@ -30,7 +30,7 @@ MAX_UPDATES = 64
 class ModalTouching:
     """The system of `DenseTouching` for a local compliance d (n) [mm/N], positive, and modes."""
 
-    def __init__(self, local: Array, basis: ModalBasis, lever_arm: Array, active: NDArray[np.bool_]) -> None:
+    def __init__(self, local: Array, basis: ModalBasis, lever_arm: Array, active: Bools) -> None:
         self._local, self._arm = local, lever_arm
         self._index, border = basis.index, basis.border
         blocks, longest, rank = basis.modes.shape
@@ -47,7 +47,7 @@ class ModalTouching:
         self._sum()
 
     @property
-    def active(self) -> NDArray[np.bool_]:
+    def active(self) -> Bools:
         """See `DenseTouching`."""
         return self._active.copy()
 
@@ -185,7 +185,7 @@ DENSE_FIRST_SIZE = 300
 LARGEST_PADDING = 4
 
 
-def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[np.bool_]) -> TouchingSystem:
+def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: Bools) -> TouchingSystem:
     """System of a set of touching segments: in the modes where there are many segments, else dense.
 
     Some must have a lever arm; those whose forces would not be unique are left out.
@@ -198,7 +198,7 @@ def touching_system(matrix: ComplianceMatrix, lever_arm: Array, active: NDArray[
     return DenseTouching(matrix.dense, lever_arm, active)
 
 
-def touching_stiffness(local: Array, basis: ModalBasis, lever_arm: Array, active: NDArray[np.bool_]) -> float:
+def touching_stiffness(local: Array, basis: ModalBasis, lever_arm: Array, active: Bools) -> float:
     """Torque that turns the gear by one radian while these segments keep contact [N mm/rad].
 
     It is dT / dtheta = r_A' C_AA^-1 r_A for C = diag(local) + modes; NaN where C_AA is singular.

@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.arrays import RealArray as Array
+from ....core.arrays import Bools, RealArray as Array
 from ...problem.certificate import Answer
 from ...problem.complementary_pivoting import lemke
 from ...problem.compliance_matrix import ComplianceMatrix
@@ -24,13 +24,11 @@ from ...problem.programme_forms import lcp
 from ..touching_system import DEPENDENCE_TOLERANCE
 from .touching_form import TouchingSystem, part_of, touching_system
 
-Mask = NDArray[np.bool_]
-
 #: A change of force of a weak segment below this, relative to the largest, is rounding.
 SMALLEST_CHANGE = 1e-12
 
 
-def loaded_and_weak(force: Array, gap: Array, gap_scale: float, tolerance: float) -> tuple[Mask, Mask]:
+def loaded_and_weak(force: Array, gap: Array, gap_scale: float, tolerance: float) -> tuple[Bools, Bools]:
     """Masks (n) of segments that carry load, and of those that neither carry load nor are open.
 
     Forces and gaps up to the tolerance times the greatest force and the scale of gaps [mm] count as none.
@@ -51,8 +49,8 @@ def answer_by_pivoting(problem: ContactProblem) -> Answer | None:
 def system_in_direction(
     matrix: ComplianceMatrix,
     lever_arm: Array,
-    loaded: Mask,
-    weak: Mask,
+    loaded: Bools,
+    weak: Bools,
     closing: Array,
     torque: float,
     first_contact: Callable[[ContactProblem], Answer | None] = answer_by_pivoting,
@@ -101,7 +99,7 @@ def _with_weak(
     return system
 
 
-def dependent_segments(matrix: ComplianceMatrix, lever_arm: Array, loaded: Mask, weak: Mask) -> Mask:
+def dependent_segments(matrix: ComplianceMatrix, lever_arm: Array, loaded: Bools, weak: Bools) -> Bools:
     """Return the weak segments that could take over load at no cost: the forces are not unique, (n)."""
     result = np.zeros(weak.size, dtype=np.bool_)
     if weak.any() and lever_arm[loaded].any():

@@ -16,9 +16,9 @@ import easeoff
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.geometry import Misalignment
-from easeoff.study.plot.page import torque_name
 from easeoff.study.plot.pattern_lines import ContactPattern, contact_pattern
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
+from easeoff.study.summary.curves import torque_name
 
 TOE, HEEL = 0.4, 0.6  # lengthwise fractions that are called so
 MOVED = 0.03  # smallest movement, as a fraction, that is given a direction

@@ -38,9 +38,9 @@ from folders import IMAGES, NOTES
 
 import easeoff
 from easeoff.cases import shipped_cases
-from easeoff.study.plot.page import torque_name
 from easeoff.study.plot.tooth_view import tooth_view
 from easeoff.study.plot.topography_chart import ease_off_map
+from easeoff.study.summary.curves import torque_name
 
 HERE = Path(__file__).parent
 FIGURES = IMAGES / "dissertation"

@@ -14,8 +14,9 @@ import easeoff
 from easeoff.contact.evaluation.pressure_map import PressureMap, pressure_map
 from easeoff.geometry import Misalignment
 from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
-from easeoff.study.plot.page import WIDTH, plain_bar, sheet, torque_name
+from easeoff.study.plot.page import WIDTH, plain_bar, sheet
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
+from easeoff.study.summary.curves import torque_name
 
 IMAGE = IMAGES / "finite_elements" / "patterns.png"
 MODELS = {"shell": "shell", "solid_shell": "solid shell", "fe": "finite elements"}

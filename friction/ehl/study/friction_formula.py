@@ -35,7 +35,6 @@ from ...kolivand_formula import Flags, combined_flags
 from ..reynolds_equation import Status
 from .study_design import oil_75w90
 
-Bools = Bools
 #: The variables, whose logarithms are the columns; where the range is concerned, roughness stands for the last.
 VARIABLES = ("hertz_pressure", "equivalent_radius", "rolling_velocity", "slide_to_roll", "viscosity", "lambda_ratio")
 #: Arguments of a formula, in their order.

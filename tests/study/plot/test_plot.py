@@ -48,11 +48,12 @@ from easeoff.study.plot.mesh_cycle_charts import (
     share_passage,
     transmission_error,
 )
-from easeoff.study.plot.page import even_lines, evenly_chosen, small_print, torque_name
+from easeoff.study.plot.page import even_lines, evenly_chosen, small_print
 from easeoff.study.plot.pattern_lines import bent_lines, contact_pattern
 from easeoff.study.plot.tooth_view import ToothView, tick_step, tooth_view
 from easeoff.study.plot.topography_chart import contour_levels, ease_off_map
 from easeoff.study.plot.written_pictures import PICTURES
+from easeoff.study.summary.curves import torque_name
 
 Array = NDArray[Any]
 
