@@ -13,24 +13,12 @@ import xarray as xr
 from ...core import checks
 from ...core.arrays import RealArray as Array, record
 from ...core.attributes import labelled
-from ...core.checks import instance
 from ...core.errors import InputError
+from . import reynolds_equation as reynolds
 from .asperities import Asperities
 from .hierarchical_matrix import Deflection
 from .lubricated_contact import LubricatedContact
-from .reynolds_equation import (
-    ROUGH,
-    SMOOTH,
-    Certificate,
-    Outcome,
-    Problem,
-    State,
-    States,
-    Status,
-    certify,
-    judge,
-    solve,
-)
+from .reynolds_equation import Certificate, Outcome, Problem, State, States, Status
 
 #: The inlet lies where the gap of the rigid surfaces is as many times the film.
 INLET_GAP_RATIO = 120.0
@@ -301,7 +289,7 @@ def _from_dry_contact(
     """Refine from the dry contact with a film of ``factor`` times the estimate in between."""
     x = grids[0]
     problem = _problem(contact, x, asperities, touching_film)
-    paces = SMOOTH if math.isinf(touching_film) else (*SMOOTH, *ROUGH)
+    paces = reynolds.SMOOTH if math.isinf(touching_film) else (*reynolds.SMOOTH, *reynolds.ROUGH)
     film = factor * contact.central_film_estimate() / contact.film_scale
     if asperities is not None:
         film = max(film, factor * asperities.composite_roughness / contact.film_scale)
@@ -309,13 +297,13 @@ def _from_dry_contact(
     width = max(1.0, 1.5 * math.sqrt(film))
     pressure = np.sqrt(np.maximum(1.0 - (x / width) ** 2, 0.0)) / width
     approach = film - float((problem.profile + problem.deflection(pressure)).min())
-    outcome = solve(problem, pressure, approach, paces)
+    outcome = reynolds.solve(problem, pressure, approach, paces)
     for grid in grids[1:]:
         if not outcome.converged:
             break
         pressure = np.interp(grid, x, np.maximum(outcome.point.pressure, 0.0))
         x, problem = grid, _problem(contact, grid, asperities, touching_film)
-        outcome = solve(problem, pressure, outcome.point.approach, paces)
+        outcome = reynolds.solve(problem, pressure, outcome.point.approach, paces)
     return described(contact, x, problem, outcome)
 
 
@@ -327,14 +315,14 @@ def _problem(contact: LubricatedContact, x: Array, asperities: Asperities | None
 def described(contact: LubricatedContact, x: Array, problem: Problem, outcome: Outcome) -> Film:
     """Certify an outcome on the positions x (half widths), and give it units."""
     point = outcome.point
-    certificate = certify(problem, point.pressure, point.approach)
+    certificate = reynolds.certify(problem, point.pressure, point.approach)
     return Film(
         contact=contact,
         position=contact.half_width * x,
         pressure=contact.hertz_pressure * outcome.pressure,
         film=contact.film_scale * point.clearance,
         state=outcome.state,
-        status=judge(outcome.converged, certificate),
+        status=reynolds.judge(outcome.converged, certificate),
         certificate=certificate,
         iterations=outcome.iterations,
         outcome=outcome,
@@ -358,7 +346,7 @@ def film_dataset(film: Film) -> xr.Dataset:
     >>> dict(film_dataset(smooth_film(contact, nodes=129)).sizes)
     {'rolling_position': 129}
     """
-    instance("film", film, Film)
+    checks.instance("film", film, Film)
     data: dict[str, Any] = {
         "film_pressure": ("rolling_position", 1e-6 * film.pressure),
         "asperity_pressure": ("rolling_position", 1e-6 * film.asperity_pressure),

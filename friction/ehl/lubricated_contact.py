@@ -15,7 +15,6 @@ import numpy as np
 
 from ...core import checks
 from ...core.arrays import RealArray as Array
-from ...core.checks import instance, one_of
 from ...core.errors import InputError
 from ..conditions import FILM_FACTORS, STEEL_MODULUS, THERMAL_FACTORS
 from ..lubricants.lubricant import OilState
@@ -342,9 +341,9 @@ def film_factor(contact: LubricatedContact, factor: str = "gupta_cheng") -> floa
 
     The oil needs ``temperature_viscosity`` and ``thermal_conductivity``.
     """
-    instance("contact", contact, LubricatedContact)
+    checks.instance("contact", contact, LubricatedContact)
     groups = replace(contact, slide_to_roll=abs(contact.slide_to_roll))
-    value = float(THERMAL_FACTORS[one_of("factor", factor, FILM_FACTORS[1:])](groups))
+    value = float(THERMAL_FACTORS[checks.one_of("factor", factor, FILM_FACTORS[1:])](groups))
     if not 0.0 < value <= 1.0:
         raise InputError(f"the {factor} factor is {value:g} here: these conditions are beyond it")
     return value

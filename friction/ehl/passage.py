@@ -18,27 +18,14 @@ from numpy.typing import NDArray
 from ...core import checks
 from ...core.arrays import Bools, RealArray as Array, record
 from ...core.attributes import labelled
-from ...core.checks import instance
 from ...core.errors import InputError
 from ...core.memory import require_memory
+from . import reynolds_equation as reynolds
 from .asperities import Profile, smooth
 from .film import FEWEST_NODES, MOST_NODES, Film, domain, touching_start
 from .hierarchical_matrix import Deflection
 from .lubricated_contact import LubricatedContact
-from .reynolds_equation import (
-    ROUGH,
-    History,
-    Outcome,
-    Point,
-    Problem,
-    State,
-    States,
-    Status,
-    certify,
-    fluid_part,
-    judge,
-    solve,
-)
+from .reynolds_equation import History, Outcome, Point, Problem, State, States, Status
 from .shear_traction import BOUNDARY_FRICTION, traction
 
 #: Film left between touching asperities [m]: a few layers of molecules.
@@ -207,14 +194,10 @@ def rough_passage(
     checks.whole("order", order, 1, 2)
     checks.positive("touching_film", touching_film, "m")
     rows = steps // keep if keep else 0
-    require_memory(
-        f"steps = {steps}, nodes = {nodes}, keep = {keep}",
-        STEP_SIZE * steps + KEPT_NODE_SIZE * rows * nodes,
-        "the passage",
-    )
-    start = touching_start(
-        contact, nodes, domain(contact, ROUGH_INLET_GAP_RATIO) if span is None else span, touching_film
-    )
+    size = STEP_SIZE * steps + KEPT_NODE_SIZE * rows * nodes
+    require_memory(f"steps = {steps}, nodes = {nodes}, keep = {keep}", size, "the passage")
+    span = domain(contact, ROUGH_INLET_GAP_RATIO) if span is None else span
+    start = touching_start(contact, nodes, span, touching_film)
     x = start.position / contact.half_width
     settle = max(ramp, round(-x[0] / (x[1] - x[0]))) if settle is None else settle
     if settle >= steps:
@@ -228,12 +211,11 @@ def rough_passage(
     if start.certified:
         march = _March(contact, x, start, touching_film / contact.film_scale, order)
         for step in range(1, steps + 1):
-            size = min(1.0, step / ramp) if ramp else 1.0
-            outcome, problem = march.advance(size, first, second)
+            outcome, problem = march.advance(min(1.0, step / ramp) if ramp else 1.0, first, second)
             point = outcome.point
-            certificate = certify(problem, point.pressure, point.approach)
+            certificate = reynolds.certify(problem, point.pressure, point.approach)
             at = step - 1
-            status[at], iterations[at] = judge(outcome.converged, certificate), outcome.iterations
+            status[at], iterations[at] = reynolds.judge(outcome.converged, certificate), outcome.iterations
             records["violation"][at], records["leak"][at] = certificate.worst, march.leak
             if status[at] == Status.CERTIFIED:
                 values = _record(start.position, problem, outcome, boundary_friction, thermal)
@@ -260,7 +242,9 @@ def rough_passage(
 
 STEP_LIMIT = 1_000_000_000  # beyond, not even the record of the steps fits into memory
 STEP_SIZE, KEPT_NODE_SIZE = 100.0, 20.0  # memory of the record of a step, and of a node of fields kept [byte]
-_RECORDED = ("violation", "leak", "film_friction", "asperity_friction", "asperity_share", "minimum_film", "mean_film")
+#: Quantities of a certified step.
+FRICTION = ("film_friction", "asperity_friction", "asperity_share")
+_RECORDED = ("violation", "leak", *FRICTION, "minimum_film", "mean_film")
 
 
 def _record(
@@ -269,7 +253,7 @@ def _record(
     """Friction and film of one certified step."""
     contact, point = problem.contact, outcome.point
     pressure, film = contact.hertz_pressure * outcome.pressure, contact.film_scale * point.film
-    part, _ = fluid_part(point.film, problem.touching_film)
+    part, _ = reynolds.fluid_part(point.film, problem.touching_film)
     shear = traction(
         contact, position, pressure, film, fluid_part=part, boundary_friction=boundary_friction, thermal=thermal
     )
@@ -312,21 +296,16 @@ class _March:
         last = np.concatenate([self.mass[:1], self.mass[:-1]])
         before = np.concatenate([self.mass_before[:1], self.mass_before[:1], self.mass_before[:-2]])
         history = History(2.0 * last - 0.5 * before, 1.5) if self.order == 2 else History(last, 1.0)
-        problem = Problem(
-            contact,
-            self.deflection,
-            0.5 * self.x**2 - size * heights / contact.film_scale,
-            self.touching_film,
-            history,
-            np.concatenate([[0.0], self.lack[:-1]]),
-        )
+        profile = 0.5 * self.x**2 - size * heights / contact.film_scale
+        lacking = np.concatenate([[0.0], self.lack[:-1]])
+        problem = Problem(contact, self.deflection, profile, self.touching_film, history, lacking)
         # What roughness makes of the pressure moves on with the mean flow, more or less: a third fewer Newton steps.
         carried = self.smooth + np.concatenate([[0.0], (self.pressure - self.smooth)[:-1]])
         carried[-1] = 0.0
-        outcome = solve(problem, np.maximum(carried, 0.0), self.approach, ROUGH[:1])
+        outcome = reynolds.solve(problem, np.maximum(carried, 0.0), self.approach, reynolds.ROUGH[:1])
         if not outcome.converged:
             spent = outcome.iterations
-            outcome = solve(problem, self.pressure, self.approach, ROUGH)
+            outcome = reynolds.solve(problem, self.pressure, self.approach, reynolds.ROUGH)
             outcome = replace(outcome, iterations=spent + outcome.iterations)
         point = outcome.point
         if outcome.converged:
@@ -365,17 +344,14 @@ def passage_dataset(passage: RoughPassage) -> xr.Dataset:
     >>> dict(passage_dataset(passage).sizes)
     {'time': 40, 'kept_time': 2, 'rolling_position': 65}
     """
-    instance("passage", passage, RoughPassage)
+    checks.instance("passage", passage, RoughPassage)
     time = 1e6 * passage.time
     data: dict[str, Any] = {
         "status": ("time", passage.status, Status.flag_attributes()),
         "settled": ("time", passage.settled.astype(np.int8)),
         "iterations": ("time", passage.iterations),
         "worst_residual": ("time", passage.violation),
-        "leak": ("time", passage.leak),
-        "film_friction": ("time", passage.film_friction),
-        "asperity_friction": ("time", passage.asperity_friction),
-        "asperity_share": ("time", passage.asperity_share),
+        **{name: ("time", getattr(passage, name)) for name in ("leak", *FRICTION)},
         "minimum_film": ("time", 1e6 * passage.minimum_film),
         "mean_film": ("time", 1e6 * passage.mean_film),
         "film_pressure": (("kept_time", "rolling_position"), 1e-6 * passage.pressure),

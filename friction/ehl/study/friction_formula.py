@@ -49,12 +49,9 @@ VARIABLE_FLAGS, OIL_FLAG = (2, 1024, 2048, 1, 4096, 4), 8192
 CHUNK_SIZE = 16384
 #: How many numbers each array of a formula has.
 ARRAY_SIZES = {
-    "share": len(TERMS),
-    "film": len(TERMS),
-    "lowest": len(VARIABLES),
-    "highest": len(VARIABLES),
-    "ratios": 2,
-    "oil": 2,
+    **dict.fromkeys(("share", "film"), len(TERMS)),
+    **dict.fromkeys(("lowest", "highest"), len(VARIABLES)),
+    **dict.fromkeys(("ratios", "oil"), 2),
 }
 
 #: The formula fitted to both studies in ``docs/data``.
@@ -222,13 +219,10 @@ def shipped_formula() -> FrictionFormula:
 
 def write_formula(path: str | os.PathLike[str], formula: FrictionFormula) -> None:
     """Write a formula as JSON."""
-    content = {
-        name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in vars(formula).items()
-    }
+    content = {key: value.tolist() if isinstance(value, np.ndarray) else value for key, value in vars(formula).items()}
     content["regimes"] = [list(astuple(regime)) for regime in formula.regimes]
-    target = Path(path)
-    check_writable(target)
-    with whole_file(target) as temporary:
+    check_writable(path)
+    with whole_file(path) as temporary:
         temporary.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 
 
@@ -264,9 +258,8 @@ def logarithms_of(*inputs: ArrayLike) -> tuple[Array, Array, Array]:
     NaN where an input is not finite or not positive; minus infinity where nothing slides or nothing is rough, which is
     taken at the end of the range.
     """
-    p, r, u, s, eta, alpha, sigma, modulus = np.broadcast_arrays(
-        *(np.asarray(value, dtype=np.float64) for value in inputs)
-    )
+    given = (np.asarray(value, dtype=np.float64) for value in inputs)
+    p, r, u, s, eta, alpha, sigma, modulus = np.broadcast_arrays(*given)
     columns = [_logarithm(value) for value in (p, r, u)]
     columns += [_logarithm(np.abs(s), zero=True), _logarithm(eta), _logarithm(sigma, zero=True)]
     material = _logarithm(np.where(alpha > 0.0, alpha, np.nan) * modulus)
@@ -321,17 +314,8 @@ def shared(odds: Array, logarithm: Array, boundary_friction: float) -> Array:
 REGIMES = (0.0, 0.2, 0.5, 1.0, 3.0, math.inf)
 #: What of a study a fit needs.
 FITTED_VARIABLES = (
-    "contact_pressure",
-    "contact_radius",
-    "rolling_velocity",
-    "slide_to_roll",
-    "temperature",
-    "roughness_1",
-    "roughness_2",
-    "status",
-    "friction_coefficient",
-    "film_friction",
-    "asperity_share",
+    *("contact_pressure", "contact_radius", "rolling_velocity", "slide_to_roll", "temperature"),
+    *("roughness_1", "roughness_2", "status", "friction_coefficient", "film_friction", "asperity_share"),
 )
 FOLDS = 10
 FEWEST_CASES = 3 * len(TERMS)
@@ -384,9 +368,8 @@ def fit_friction(*studies: xr.Dataset) -> FrictionFormula:
     300
     """
     boundary = _boundary_friction(studies)
-    dataset = xr.concat(
-        [study[list(FITTED_VARIABLES)] for study in studies], "combination", combine_attrs="drop_conflicts"
-    )
+    fitted_parts = [study[list(FITTED_VARIABLES)] for study in studies]
+    dataset = xr.concat(fitted_parts, "combination", combine_attrs="drop_conflicts")
     friction = dataset["friction_coefficient"].values.astype(float)
     certified = dataset["status"].values == Status.CERTIFIED
     for name in ("friction_coefficient", "asperity_share", "film_friction"):
@@ -487,8 +470,7 @@ def _compared(dataset: xr.Dataset, own: ArrayLike) -> tuple[RegimeError, ...]:
 
 def _check_study(study: xr.Dataset) -> None:
     checks.instance("study", study, xr.Dataset)
-    missing = [name for name in FITTED_VARIABLES if name not in study]
-    if missing:
+    if missing := [name for name in FITTED_VARIABLES if name not in study]:
         raise InputError(f"study = a dataset without {', '.join(missing)}: must be a study of run_study")
 
 
@@ -505,14 +487,12 @@ def _boundary_friction(studies: tuple[xr.Dataset, ...]) -> float:
 
 
 def _by_regime(ratio: Array, error: Array) -> tuple[RegimeError, ...]:
-    regimes = []
-    for low, high in pairwise(REGIMES):
-        errors = error[(ratio >= low) & (ratio < high)]
-        if errors.size:
-            regimes.append(
-                RegimeError(low, high, errors.size, float(errors.mean()), _rms(errors), float(np.abs(errors).max()))
-            )
-    return tuple(regimes)
+    regimes = ((low, high, error[(ratio >= low) & (ratio < high)]) for low, high in pairwise(REGIMES))
+    return tuple(
+        RegimeError(low, high, errors.size, float(errors.mean()), _rms(errors), float(np.abs(errors).max()))
+        for low, high, errors in regimes
+        if errors.size
+    )
 
 
 def _least_squares(columns: Array, guesses: Array, wanted: Array, boundary_friction: float) -> tuple[Array, Array]:

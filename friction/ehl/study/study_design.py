@@ -42,20 +42,16 @@ from ..shear_traction import BOUNDARY_FRICTION, traction
 
 #: Not in the dissertation: Eyring stress of a usual gear oil [Pa].
 EYRING_STRESS = 5e6
-#: Units of the parameters, the temperatures that the oil is known at, and the pressure beyond which nothing is a Hertz
-#: contact of steel (``LubricatedContact`` refuses it), in these units.
-LEVEL_UNITS = {
-    "hertz_pressure": "GPa",
-    "equivalent_radius": "mm",
-    "rolling_velocity": "m/s",
-    "slide_to_roll": "1",
-    "temperature": "degC",
-    "roughness": "um",
-    "roughness_1": "um",
-    "roughness_2": "um",
+#: Units of the parameters and their ranges in these units: the oil is known at these temperatures, and beyond the
+#: pressure nothing is a Hertz contact of steel (``LubricatedContact`` refuses it).
+LEVELS: dict[str, tuple[str, dict[str, Any]]] = {
+    "hertz_pressure": ("GPa", {"above": 0.0, "most": PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9}),
+    "equivalent_radius": ("mm", {"above": 0.0}),
+    "rolling_velocity": ("m/s", {"above": 0.0}),
+    "slide_to_roll": ("1", {"least": -2.0, "most": 2.0}),
+    "temperature": ("degC", {"least": 25.0, "most": 100.0}),
+    **dict.fromkeys(("roughness", "roughness_1", "roughness_2"), ("um", {"above": 0.0})),
 }
-TEMPERATURE_RANGE = (25.0, 100.0)
-PRESSURE_LIMIT = PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9
 
 
 def oil_75w90(temperature: float) -> Oil:
@@ -72,13 +68,8 @@ def oil_75w90(temperature: float) -> Oil:
 
 def _level(name: str, value: Any) -> float:
     """Return a level of a parameter, checked."""
-    if name == "slide_to_roll":
-        return checks.number(name, value, least=-2.0, most=2.0)
-    if name == "temperature":
-        return checks.number(name, value, LEVEL_UNITS[name], least=TEMPERATURE_RANGE[0], most=TEMPERATURE_RANGE[1])
-    if name == "hertz_pressure":
-        return checks.number(name, value, LEVEL_UNITS[name], above=0.0, most=PRESSURE_LIMIT)
-    return checks.positive(name, value, LEVEL_UNITS[name])
+    unit, bounds = LEVELS[name]
+    return checks.number(name, value, unit, **bounds)
 
 
 @dataclass(frozen=True)
@@ -332,16 +323,8 @@ Row = dict[str, float]
 
 #: Numbers of a row besides the condition and the status; NaN where there is no answer.
 NUMBERS = (
-    "film_friction",
-    "asperity_friction",
-    "asperity_share",
-    "mean_film",
-    "smooth_film",
-    "lambda_ratio",
-    "certified_share",
-    "newton_steps",
-    "nodes",
-    "run_time",
+    *("film_friction", "asperity_friction", "asperity_share", "mean_film", "smooth_film", "lambda_ratio"),
+    *("certified_share", "newton_steps", "nodes", "run_time"),
 )
 
 
@@ -385,8 +368,9 @@ _smooth_film = lru_cache(maxsize=8)(smooth_film)
 
 def _steady(film: Film, resolution: Resolution) -> Row:
     cost = {"newton_steps": float(film.iterations), "nodes": float(film.position.size)}
+    unknown = cost | {"status": float(Status.NOT_CONVERGED), "certified_share": 0.0}
     if not film.certified:
-        return cost | {"status": float(Status.NOT_CONVERGED), "certified_share": 0.0}
+        return unknown
     shear = traction(
         film.contact,
         film.position,
@@ -396,19 +380,17 @@ def _steady(film: Film, resolution: Resolution) -> Row:
         boundary_friction=resolution.boundary_friction,
         thermal=resolution.thermal,
     )
-    settled = math.isfinite(shear.film)
+    if not math.isfinite(shear.film):
+        return unknown
     within = np.abs(film.position) < film.contact.half_width
-    numbers = {
+    return cost | {
+        "status": float(Status.CERTIFIED),
+        "certified_share": 1.0,
         "film_friction": shear.film,
         "asperity_friction": shear.asperities,
         "asperity_share": film.asperity_share,
         "mean_film": 1e6 * float(film.film[within].mean()),
     }
-    return (
-        cost
-        | (numbers if settled else {})
-        | {"status": float(Status.CERTIFIED if settled else Status.NOT_CONVERGED), "certified_share": float(settled)}
-    )
 
 
 def _rough(condition: Condition, contact: LubricatedContact, resolution: Resolution) -> Row:
@@ -421,11 +403,8 @@ def _rough(condition: Condition, contact: LubricatedContact, resolution: Resolut
     averaged = math.ceil(max(resolution.travel * resolution.correlation_length, contact.half_width) / spacing)
     period = max(2.0 * length, 50.0 * resolution.correlation_length)
     first, second = (
-        generated_profile(1e-6 * rms, resolution.correlation_length, period, seed)
-        for rms, seed in (
-            (condition.roughness_1, 2 * resolution.seed),
-            (condition.roughness_2, 2 * resolution.seed + 1),
-        )
+        generated_profile(1e-6 * rms, resolution.correlation_length, period, 2 * resolution.seed + number)
+        for number, rms in enumerate((condition.roughness_1, condition.roughness_2))
     )
     passage = rough_passage(
         contact,
@@ -441,17 +420,11 @@ def _rough(condition: Condition, contact: LubricatedContact, resolution: Resolut
         boundary_friction=resolution.boundary_friction,
         thermal=resolution.thermal,
     )
-    friction = passage.friction_coefficient
-    enough = (
-        passage.certified_share >= CERTIFIED_SHARE_MINIMUM
-        and passage.leakage <= LEAKAGE_LIMIT
-        and math.isfinite(friction)
-    )
+    enough = passage.certified_share >= CERTIFIED_SHARE_MINIMUM and passage.leakage <= LEAKAGE_LIMIT
+    known = enough and math.isfinite(passage.friction_coefficient)
     return {
-        "status": float(Status.CERTIFIED if enough else Status.NOT_CONVERGED),
-        "film_friction": passage.average("film_friction"),
-        "asperity_friction": passage.average("asperity_friction"),
-        "asperity_share": passage.average("asperity_share"),
+        "status": float(Status.CERTIFIED if known else Status.NOT_CONVERGED),
+        **{name: passage.average(name) for name in ("film_friction", "asperity_friction", "asperity_share")},
         "mean_film": 1e6 * passage.average("mean_film"),
         "certified_share": passage.certified_share,
         "newton_steps": float(passage.iterations.mean()),
@@ -548,14 +521,12 @@ def run_study(
 def study_dataset(design: Design, rows: dict[int, Row]) -> xr.Dataset:
     """Rows as a labelled dataset over ``combination``; failed ones are included, with their ``failure``."""
     cases = [asdict(design.condition(number)) for number in rows]
-    names = list(asdict(design.condition(0)))
     renamed = {"hertz_pressure": "contact_pressure", "equivalent_radius": "contact_radius"}
     data: dict[str, Any] = {
-        renamed.get(name, name): ("combination", np.array([case[name] for case in cases], dtype=float))
-        for name in names
+        renamed.get(one.name, one.name): ("combination", np.array([case[one.name] for case in cases], dtype=float))
+        for one in fields(Condition)
     }
-    for name in NUMBERS:
-        data[name] = ("combination", np.array([row[name] for row in rows.values()], dtype=float))
+    data |= {name: ("combination", np.array([row[name] for row in rows.values()], dtype=float)) for name in NUMBERS}
     friction = data["film_friction"][1] + data["asperity_friction"][1]
     data["friction_coefficient"] = ("combination", friction)
     status = np.array([row["status"] for row in rows.values()]).astype(np.int8)

@@ -143,7 +143,7 @@ def test_rough_contact_of_the_dissertation_is_certified_at_every_step() -> None:
 
 
 def test_step_that_cannot_be_solved_is_a_status_and_not_a_number(monkeypatch: pytest.MonkeyPatch) -> None:
-    module = importlib.import_module("easeoff.friction.ehl.passage")
+    module = importlib.import_module("easeoff.friction.ehl.reynolds_equation")
     monkeypatch.setattr(module, "ROUGH", (ROUGH[0].__class__(3.0, 0.1, 1),))
     passage = rough_passage(GEAR, wave(1e-7, 1e-4), steps=5, nodes=129, settle=0)
     assert (passage.status == Status.NOT_CONVERGED).all()
