@@ -11,10 +11,9 @@ from .contact_temperature import (
     flash_temperature as flash_temperature,
     matched_band as matched_band,
 )
-from .efficiency import friction as friction
+from .efficiency import friction as friction, rolling_traction as rolling_traction
 from .feedback import friction_feedback as friction_feedback
 from .kolivand_formula import formula_flags as formula_flags
-from .losses import rolling_traction as rolling_traction
 from .lubricants.lubricant import (
     Lubricant as Lubricant,
     OilState as OilState,

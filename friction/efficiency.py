@@ -1,23 +1,30 @@
 """Power loss and efficiency of a pair, from a stored result: the group ``/friction``.
 
-With the least film thickness of the mesh cycle, and where it is.
+Friction, film and power loss of loaded contacts at many operating conditions, a block of contacts at a time. Arrays
+over (speed, temperature, roughness, contact): the contacts last, so that the innermost loops are long. What does not
+depend on a dimension has length one there.
+
+The hottest contact of a mesh cycle, at every operating condition, is found on the way; so are the least film thickness
+and where it is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from ..core.arrays import Array
+from ..core.arrays import Array, Integers
 from ..core.attributes import labelled
-from ..core.checks import instance
-from .coefficient import CoefficientModel
-from .kolivand_formula import FLAGS, LossShares
+from ..core.checks import instance, one_of
+from .coefficient import RANGE_FLAGS, CoefficientModel, checked_coefficient
+from .conditions import THERMAL_FACTORS, ContactConditions
+from .contact_temperature import flash_temperature
+from .kolivand_formula import FLAGS, Flags, LossShares, between_regimes
 from .loaded_contacts import LoadedContacts, PotentialSegments, loaded_contacts, potential_segments
-from .losses import HottestContacts, losses
 from .lubricants.lubricant import lubricant
 from .operation import FrictionModel, Operation, checked_model
 
@@ -27,6 +34,8 @@ OIL_TOLERANCE = 0.02  # of viscosity and pressure-viscosity coefficient, within 
 OPERATION = ("speed", "temperature", "roughness")
 THERMAL_PROPERTIES = ("conductivity", "density", "heat_capacity")  # of pinion and gear, in SI
 FIELDS = ("friction_coefficient", "lambda_ratio", "power_loss", "flash_temperature")  # over all conditions
+TOLD_FACTOR = "gupta_cheng"  # by which the film's thinning is told where the model leaves it out
+BLOCK_SIZE = 200_000  # values: intermediate arrays stay in the processor's cache
 
 
 def friction(
@@ -104,8 +113,7 @@ def losses_dataset(
 
     With fields over the segments unless their number is zero; progress is told after every block.
     """
-    cycle, shape = contacts.solved.shape, operation.shape
-    group = contacts.group
+    cycle, shape, group = contacts.solved.shape, operation.shape, contacts.group
     sums = {name: np.zeros((*shape, contacts.solved.size)) for name in ("sliding", "rolling", "weighted")}
     fields: dict[str, Array] = {}
     shares, hottest = LossShares((cycle[0], *shape)), HottestContacts((cycle[0], *shape))
@@ -120,11 +128,8 @@ def losses_dataset(
         groups = group[block.contacts]
         starts = np.flatnonzero(np.diff(groups, prepend=-1))
         force_speed = contacts.force[block.contacts] * block.conditions.sliding_velocity
-        for name, values in (
-            ("sliding", block.sliding_loss),
-            ("rolling", block.rolling_loss),
-            ("weighted", force_speed),
-        ):
+        added = {"sliding": block.sliding_loss, "rolling": block.rolling_loss, "weighted": force_speed}
+        for name, values in added.items():
             sums[name][..., groups[starts]] += np.add.reduceat(values, starts, axis=-1)
         loss, torque = block.sliding_loss + block.rolling_loss, contacts.index[0, block.contacts]
         shares.add(torque, loss, block.flags, block.between_regimes, block.film_thinning)
@@ -184,11 +189,9 @@ def velocities_dataset(potential: PotentialSegments, operation: Operation, model
         "sliding_across": velocities.sliding_across,
         "rolling_velocity": np.abs(model.rolling(velocities)),
     }
-    ratio = potential.spread(model.slide_to_roll(velocities))
-    data: dict[str, Any] = {"slide_to_roll": (("mesh_position", "segment"), ratio)}
-    for name, values in per_radian.items():
-        field = potential.spread(values[:, None] * operation.angular_velocity)
-        data[name] = (("mesh_position", "segment", "speed"), field)
+    places, omega = ("mesh_position", "segment"), operation.angular_velocity
+    data: dict[str, Any] = {"slide_to_roll": (places, potential.spread(model.slide_to_roll(velocities)))}
+    data |= {name: ((*places, "speed"), potential.spread(v[:, None] * omega)) for name, v in per_radian.items()}
     return xr.Dataset(data, coords={"speed": operation.speeds})
 
 
@@ -230,14 +233,10 @@ def _provenance(operation: Operation, model: FrictionModel) -> dict[str, Any]:
 
 def _made_for_another_oil(operation: Operation, model: FrictionModel) -> bool:
     """True if the coefficient's formula was made for one oil, and this is not like it."""
-    if not model.has_regimes:
-        return False
     of_formula = lubricant(FORMULA_OIL).at(operation.temperatures, out_of_range="clamp")
     given = model.oil_states(operation)
-    return any(
-        bool(np.any(np.abs(getattr(given, name) / getattr(of_formula, name) - 1.0) > OIL_TOLERANCE))
-        for name in ("viscosity", "pressure_viscosity")
-    )
+    ratios = given.viscosity / of_formula.viscosity, given.pressure_viscosity / of_formula.pressure_viscosity
+    return model.has_regimes and bool(np.any(np.abs(np.subtract(ratios, 1.0)) > OIL_TOLERANCE))
 
 
 def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
@@ -249,21 +248,179 @@ def with_least_film(friction: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
     least = np.argmin(flat, axis=0)
     known = np.isfinite(flat.min(axis=0))
     position, segment = np.unravel_index(least, film.shape[:2])
-    dims = film.dims[2:]
     torque = np.arange(film.sizes["torque"]).reshape(-1, *(1,) * (least.ndim - 1))
     table = loaded[["lengthwise", "profile"]].transpose("torque", "mesh_position", "segment")
-    points = {f"min_film_{name}": table[name].values[torque, position, segment] for name in ("lengthwise", "profile")}
     numbers = {
         "min_film_thickness": flat.min(axis=0),
         "min_film_position": loaded["mesh_position"].values[position],
-        **points,
+        **{f"min_film_{name}": table[name].values[torque, position, segment] for name in ("lengthwise", "profile")},
     }
     conditions = friction["efficiency"]
     # Without feedback the film is the same at every roughness.
-    missing = len(conditions.dims) - len(dims)
+    shape = (*known.shape, *(1,) * (conditions.ndim - known.ndim))
     variables = {}
     for name, value in numbers.items():
-        known_value = np.where(known, value, np.nan)
-        spread = np.broadcast_to(known_value.reshape(*known_value.shape, *[1] * missing), conditions.shape)
+        spread = np.broadcast_to(np.where(known, value, np.nan).reshape(shape), conditions.shape)
         variables[name] = (conditions.dims, spread.copy())
     return labelled(friction.assign(variables))
+
+
+@dataclass(frozen=True)
+class Losses:
+    """Friction and power loss of contacts (speed, temperature, roughness, c); edges have NaN temperatures."""
+
+    contacts: slice
+    conditions: ContactConditions
+    coefficient: Array
+    sliding_loss: Array  # [W]
+    rolling_loss: Array  # [W], length one over the roughness
+    flags: Flags | None  # beyond the formula's range, sums of FLAGS; None without one
+    between_regimes: Array
+    film_thinning: Array  # by inlet heat, by the model's factor, or Gupta's
+    flash_temperature: Array  # [K]
+    pressure_velocity: Array  # Hertz pressure times sliding velocity [W/m^2], (speed, 1, 1, c)
+
+
+def conditions_of(
+    contacts: LoadedContacts, operation: Operation, model: FrictionModel, block: slice
+) -> ContactConditions:
+    """Conditions of a block of contacts, over (speed, temperature, roughness, contact)."""
+    v = contacts.velocities.chosen(block)
+    omega = operation.angular_velocity[:, None, None, None]
+    oil = model.oil_states(operation)
+    by_temperature = {
+        name: np.asarray(getattr(oil, name))[:, None, None]
+        for name in ("viscosity", "pressure_viscosity", "temperature_viscosity")
+    }
+    return ContactConditions(
+        hertz_pressure=contacts.hertz_pressure[block],
+        equivalent_radius=contacts.equivalent_radius[block],
+        rolling_velocity=np.abs(model.rolling(v)) * omega,
+        sliding_velocity=v.sliding_speed * omega,
+        slide_to_roll=model.slide_to_roll(v),
+        temperature=operation.temperatures[:, None, None],
+        roughness_pinion=1e-6 * operation.roughnesses[:, :1],
+        roughness_gear=1e-6 * operation.roughnesses[:, 1:],
+        thermal_conductivity=oil.thermal_conductivity,
+        contact_modulus=contacts.contact_modulus,
+        film_formula=model.film,
+        film_heating=model.film_heating,
+        **by_temperature,
+    )
+
+
+def losses(contacts: LoadedContacts, operation: Operation, model: FrictionModel) -> Iterator[Losses]:
+    """Friction coefficient and power loss of all contacts (Kolivand 2009, Eq. 5.10 to 5.12), block by block.
+
+    Sliding loss is friction force times whole sliding velocity, rolling loss rolling traction times length and
+    velocity.
+    """
+    materials = model.materials
+    heating = TOLD_FACTOR if model.film_heating == "none" else model.film_heating
+    per_contact = int(np.prod(operation.shape))
+    step = max(1, BLOCK_SIZE // per_contact)
+    for start in range(0, contacts.force.size, step):
+        block = slice(start, min(start + step, contacts.force.size))
+        conditions = conditions_of(contacts, operation, model, block)
+        coefficient = checked_coefficient(model.coefficient, conditions)
+        friction = np.broadcast_to(coefficient, (*operation.shape, block.stop - start))
+        sliding = (contacts.force[block] * conditions.sliding_velocity) * friction
+        traction = rolling_traction(conditions, model.thermal_factor) * contacts.length[block]
+        velocities = contacts.velocities.chosen(block)
+        over_line = [each * operation.angular_velocity[:, None, None, None] for each in velocities.over_line]
+        # What rolling costs is sheared in the inlet and carried away by the oil.
+        heat = sliding / np.where(contacts.on_line[block], contacts.length[block], np.nan)
+        yield Losses(
+            block,
+            conditions,
+            friction,
+            sliding,
+            traction * conditions.rolling_velocity,
+            RANGE_FLAGS[model.name](conditions, friction) if model.has_range else None,
+            between_regimes(conditions) if model.has_regimes else np.zeros((), dtype=bool),
+            1.0 - THERMAL_FACTORS[heating](conditions),
+            flash_temperature(heat, contacts.half_width[block], (over_line[0], over_line[1]), materials),
+            np.where(contacts.on_line[block], conditions.hertz_pressure * conditions.sliding_velocity, np.nan),
+        )
+
+
+def isothermal_traction(conditions: ContactConditions) -> Array:
+    """Rolling traction without heating of the inlet [N/m of contact length] (...).
+
+    4.318 (G U)^0.658 W^0.0126 R / alpha: Goksem and Hargreaves 1978, doi 10.1115/1.3453183; Kolivand 2009, Eq. 5.10.
+    """
+    c = conditions
+    scale = 4.318 * c.equivalent_radius / c.pressure_viscosity
+    return np.asarray(scale * (c.material_parameter * c.speed_parameter) ** 0.658 * c.load_parameter**0.0126)
+
+
+def rolling_traction(conditions: ContactConditions, thermal_factor: str = "goksem_hargreaves") -> Array:
+    """Rolling traction [N/m of contact length] (...). Times rolling velocity and length it is the rolling power loss.
+
+    Parameters
+    ----------
+    conditions
+        Operating conditions of the contacts.
+    thermal_factor
+        Name of the factor for the inlet's heating, see ``THERMAL_FACTORS``.
+
+    Raises
+    ------
+    InputError
+        If there is no factor of that name.
+
+    Examples
+    --------
+    >>> from easeoff.friction.coefficient import contact_conditions
+    >>> contact = contact_conditions(hertz_pressure=0.7e9, equivalent_radius=0.042, rolling_velocity=2.2,
+    ...                              slide_to_roll=0.45, roughness=0.8e-6)
+    >>> print(f"{rolling_traction(contact):.1f} N/m")
+    67.5 N/m
+    """
+    instance("conditions", conditions, ContactConditions)
+    factor = THERMAL_FACTORS[one_of("thermal_factor", thermal_factor, THERMAL_FACTORS)]
+    return np.asarray(isothermal_traction(conditions) * factor(conditions))
+
+
+class HottestContacts:
+    """The hottest contact over (torque, speed, temperature, roughness), found a block of contacts at a time."""
+
+    def __init__(self, shape: tuple[int, int, int, int]) -> None:
+        self.flash, self.pressure_velocity = np.full(shape, -np.inf), np.full(shape, -np.inf)
+        self.contact: Integers = np.zeros(shape, dtype=np.int64)
+
+    def add(self, torque: Integers, block: Losses) -> None:
+        """Add a block of contacts by their sorted torque numbers (c); a flash temperature of NaN does not count."""
+        starts = np.flatnonzero(np.diff(torque, prepend=-1))
+        flash, product = (
+            np.where(np.isnan(values), -np.inf, values) for values in (block.flash_temperature, block.pressure_velocity)
+        )
+        for start, end in zip(starts, [*starts[1:], torque.size], strict=True):
+            at = torque[start]
+            hottest = np.argmax(flash[..., start:end], axis=-1)
+            greatest = np.take_along_axis(flash[..., start:end], hottest[..., None], axis=-1)[..., 0]
+            hotter = greatest > self.flash[at]
+            self.flash[at] = np.where(hotter, greatest, self.flash[at])
+            self.contact[at] = np.where(hotter, block.contacts.start + start + hottest, self.contact[at])
+            self.pressure_velocity[at] = np.maximum(self.pressure_velocity[at], product[..., start:end].max(axis=-1))
+
+    def variables(self, loaded: xr.Dataset, index: Integers, bulk_temperature: Array) -> dict[str, Any]:
+        """Variables of the group ``/friction``, NaN where no contact line carries; bulk temperature in [degC].
+
+        Contacts are numbered by torque, mesh position and segment (3, n), which come first in ``/loaded``.
+        """
+        known = np.isfinite(self.flash)
+        values: dict[str, Array] = {
+            "max_flash_temperature": self.flash,
+            "max_contact_temperature": self.flash + bulk_temperature[:, None],
+            "max_pressure_velocity": 1e-6 * self.pressure_velocity,
+        }
+        if index.size:
+            at = tuple(index[:, self.contact])
+            values["max_flash_position"] = loaded["mesh_position"].values[at[1]]
+            for name in ("lengthwise", "profile"):
+                values[f"max_flash_{name}"] = loaded[name].values[at]
+        else:
+            nowhere = ("position", "lengthwise", "profile")
+            values |= {f"max_flash_{name}": np.full(self.flash.shape, np.nan) for name in nowhere}
+        return {name: (("torque", *OPERATION), np.where(known, value, np.nan)) for name, value in values.items()}

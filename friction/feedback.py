@@ -25,9 +25,8 @@ from ..core.arrays import Array, Bools
 from ..core.attributes import labelled
 from ..core.checks import instance, instances
 from .coefficient import CoefficientModel
-from .efficiency import OPERATION, friction, with_least_film
+from .efficiency import OPERATION, friction, losses, with_least_film
 from .loaded_contacts import LoadedContacts, loaded_contacts, loaded_segments, potential_segments
-from .losses import losses
 from .operation import FrictionModel, Operation, checked_model
 
 ITERATION_LIMIT = 30
@@ -44,8 +43,7 @@ def friction_torques(contacts: LoadedContacts, operation: Operation, model: Fric
     # Surface speeds across the line as parts of the rolling velocity, to share the rolling loss by.
     share = 0.5 + 0.25 * v.sliding_across / model.rolling(v)
     pinion_arm, gear_arm = contacts.friction_arms
-    torques = np.zeros((2, contacts.solved.size))
-    group = contacts.group
+    torques, group = np.zeros((2, contacts.solved.size)), contacts.group
     for block in losses(contacts, operation, model):
         part = block.contacts
         force = block.coefficient[0, 0, 0] * contacts.force[part]
@@ -66,9 +64,8 @@ def _solved_again(
     force, status = (result[name].values for name in ("force", "status"))
     chosen = [case for case in cases if due[case.torque, case.mesh_position]]
     at = [(case.torque, case.mesh_position) for case in chosen]
-    problems = [
-        c.segments.bending_problem.with_torque(1e3 * ratio * float(torque[i])) for c, i in zip(chosen, at, strict=True)
-    ]
+    torques = [1e3 * ratio * float(torque[i]) for i in at]
+    problems = [c.segments.bending_problem.with_torque(one) for c, one in zip(chosen, torques, strict=True)]
     starts = [force[i][: case.segments.pair.size].copy() for case, i in zip(chosen, at, strict=True)]
     contacts = [case.segments.line_contact for case in chosen]
     solved = solve_line_contacts(problems, contacts, starts, solver)

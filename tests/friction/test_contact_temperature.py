@@ -325,7 +325,7 @@ def test_greatest_values_do_not_need_the_fields(tree: xr.DataTree) -> None:
 
 
 def test_blocks_of_contacts_make_no_difference(tree: xr.DataTree, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("easeoff.friction.losses.BLOCK_SIZE", 50)
+    monkeypatch.setattr("easeoff.friction.efficiency.BLOCK_SIZE", 50)
     found = friction(tree, Operation([500.0, 1500.0], temperature=[60.0, 90.0]))
     for name in (str(each) for each in found.data_vars if str(each).startswith("max_")):
         np.testing.assert_array_equal(found[name], tree["friction"][name])

@@ -21,8 +21,9 @@ from easeoff import InputError
 from easeoff.cases import Case
 from easeoff.cases.schema.case_schema import ContactTable
 from easeoff.contact import Status
-from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, losses, lubricant
+from easeoff.friction import COEFFICIENTS, FrictionModel, Operation, friction, friction_feedback, lubricant
 from easeoff.friction.coefficient import contact_conditions
+from easeoff.friction.efficiency import conditions_of
 from easeoff.friction.feedback import friction_torques
 from easeoff.friction.loaded_contacts import action_splines, axes_of, loaded_contacts, surface_velocities
 from easeoff.friction.lubricants.lubricant import LUBRICANTS_FOLDER
@@ -128,7 +129,7 @@ def test_fields_are_those_of_the_models(tree: xr.DataTree, result: xr.Dataset) -
 def test_force_and_hertz_agree_on_the_load(tree: xr.DataTree, dissertation: Any, direction: str) -> None:
     """The line load that film and traction take from the pressure is force over length, whatever the radius."""
     contacts = loaded_contacts(dissertation.with_radius_along(tree, direction) if direction != "across" else tree)
-    conditions = losses.conditions_of(contacts, OPERATION, FrictionModel(), slice(None))
+    conditions = conditions_of(contacts, OPERATION, FrictionModel(), slice(None))
     np.testing.assert_allclose(conditions.load, contacts.force / contacts.length, rtol=1e-9)
 
 
@@ -139,7 +140,7 @@ def test_one_call_for_all_conditions_is_many_calls(tree: xr.DataTree, result: xr
 
 
 def test_blocks_change_nothing(tree: xr.DataTree, result: xr.Dataset, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(losses, "BLOCK_SIZE", 100)
+    monkeypatch.setattr("easeoff.friction.efficiency.BLOCK_SIZE", 100)
     xr.testing.assert_allclose(friction(tree, OPERATION), result, rtol=1e-13)
 
 

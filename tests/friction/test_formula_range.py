@@ -31,10 +31,10 @@ from easeoff.friction import (
     lubricant,
 )
 from easeoff.friction.coefficient import contact_conditions
+from easeoff.friction.efficiency import losses
 from easeoff.friction.ehl.study import shipped_formula
 from easeoff.friction.kolivand_formula import FLAGS, combined_flags
 from easeoff.friction.loaded_contacts import loaded_contacts
-from easeoff.friction.losses import losses
 from easeoff.study.plot.friction_charts import efficiency, friction_maps
 from easeoff.study.summary.plausibility import INPUTS, range_notes
 from easeoff.study.summary.result_summary import result_summary
@@ -87,7 +87,7 @@ def test_shares_are_those_of_the_segments(tree: xr.DataTree, name: str) -> None:
 def test_shares_do_not_depend_on_the_blocks(tree: xr.DataTree, monkeypatch: pytest.MonkeyPatch) -> None:
     operation = Operation([30.0, 1500.0], [60.0, 90.0], [0.3, 3.0])
     one = friction(tree, operation, segment_fields=False)
-    monkeypatch.setattr("easeoff.friction.losses.BLOCK_SIZE", 100)
+    monkeypatch.setattr("easeoff.friction.efficiency.BLOCK_SIZE", 100)
     xr.testing.assert_allclose(friction(tree, operation, segment_fields=False), one, rtol=1e-12)
 
 

@@ -22,7 +22,7 @@ from easeoff.friction import (
 )
 from easeoff.friction.coefficient import coefficient_model, contact_conditions, xu_kahraman
 from easeoff.friction.conditions import dowson_higginson, pan_hamrock
-from easeoff.friction.losses import isothermal_traction
+from easeoff.friction.efficiency import isothermal_traction
 
 # Pressure GPa, radius mm, rolling m/s, slide-to-roll, degC, roughness um: film um, lambda, coefficient; then, where
 # they are known too, the expressions of the other regimes there. From another implementation of the restored Eq. 5.11.
