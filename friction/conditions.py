@@ -41,13 +41,11 @@ def dowson_higginson(speed: Array, material: Array, load: Array) -> Array:
     return 2.65 * speed**0.7 * material**0.54 * load**-0.13
 
 
-FILMS: dict[str, Callable[[Array, Array, Array], Array]] = {
-    "pan_hamrock": pan_hamrock,
-    "dowson_higginson": dowson_higginson,
-}
+FilmFormula = Callable[[Array, Array, Array], Array]
+FILMS: dict[str, FilmFormula] = {"pan_hamrock": pan_hamrock, "dowson_higginson": dowson_higginson}
 
 
-def film_formula(name: str) -> Callable[[Array, Array, Array], Array]:
+def film_formula(name: str) -> FilmFormula:
     """Film formula by name; an unknown one is refused."""
     return FILMS[one_of("film", name, FILMS)]
 
@@ -253,9 +251,8 @@ class ContactConditions:
     @property
     def thermal_parameter(self) -> Array:
         """Thermal loading of the inlet, L = temperature-viscosity coefficient * viscosity * V^2 / conductivity."""
-        return np.asarray(
-            self.temperature_viscosity * self.viscosity / self.thermal_conductivity * self.rolling_velocity**2
-        )
+        per_velocity = self.temperature_viscosity * self.viscosity / self.thermal_conductivity
+        return np.asarray(per_velocity * self.rolling_velocity**2)
 
     @property
     def composite_roughness(self) -> Array:

@@ -68,10 +68,8 @@ def band_temperature(position: Array, peclet: Array, distribution: Distribution 
     for side in (1.0, -1.0):  # heat that entered the material before, and heat that comes
         reach = 1.0 + side * xi
         distance = reach * node
-        if distribution == "elliptic":
-            heat = 2.0 / np.pi * np.sqrt(reach * rest * (1.0 - side * xi + distance))
-        else:
-            heat = np.full(np.shape(distance), 0.5)
+        elliptic = distribution == "elliptic"
+        heat = 2.0 / np.pi * np.sqrt(reach * rest * (1.0 - side * xi + distance)) if elliptic else 0.5
         kernel = k0e(number * distance) * (1.0 if side > 0.0 else np.exp(-2.0 * number * distance))
         total = total + np.sum(heat * kernel * weight * reach, axis=-1)
     return np.asarray(total / np.pi)
@@ -245,11 +243,9 @@ class MatchedBand:
 def _kernel_integral(z: Array) -> Array:
     """Integral of exp(t) K0(|t|) up to z, counted so that it is one at zero."""
     size = np.abs(z)
+    damped = np.where(z < 0.0, np.exp(2.0 * np.minimum(z, 0.0)), 1.0)
     with np.errstate(invalid="ignore"):
-        integral = (
-            z * (kve(0, size) + np.sign(z) * kve(1, size)) * np.where(z < 0.0, np.exp(2.0 * np.minimum(z, 0.0)), 1.0)
-        )
-    return np.where(size > 0.0, integral, 1.0)
+        return np.where(size > 0.0, z * (kve(0, size) + np.sign(z) * kve(1, size)) * damped, 1.0)
 
 
 def _influence(middles: Array, ends: Array, peclet: float) -> Array:

@@ -103,10 +103,9 @@ def axes_of(ease_off: xr.Dataset) -> Axes:
             "this result has no points of action in its group ease_off, which friction needs: it was written by an "
             "older version; make it anew with 'easeoff run'"
         )
-    pinion_axis, pinion_origin, gear_axis, gear_origin = (
-        np.asarray(ease_off.attrs[n], float) for n in AXIS_ATTRIBUTES[:4]
-    )
-    return Axes(pinion_axis, 1e-3 * pinion_origin, gear_axis, 1e-3 * gear_origin, float(ease_off.attrs["ratio"]))
+    given = (np.asarray(ease_off.attrs[name], float) for name in AXIS_ATTRIBUTES)
+    pinion_axis, pinion_origin, gear_axis, gear_origin, ratio = given
+    return Axes(pinion_axis, 1e-3 * pinion_origin, gear_axis, 1e-3 * gear_origin, float(ratio))
 
 
 def action_splines(ease_off: xr.Dataset) -> FlankSplines:
@@ -212,8 +211,8 @@ class PotentialSegments:
 
 def potential_segments(tree: xr.DataTree) -> PotentialSegments:
     """Velocities at all segments of a result, loaded or not; refused if misalignment depends on torque."""
-    _require_one_assembly(tree)
     loaded, ease_off = loaded_segments(tree), tree["ease_off"].to_dataset()
+    _require_one_assembly(tree)
     points = np.stack([loaded[n].values[0] for n in ("lengthwise", "profile")])
     exists = np.isfinite(points[0])
     velocities = surface_velocities(axes_of(ease_off), action_splines(ease_off), points[:, exists])
@@ -222,7 +221,6 @@ def potential_segments(tree: xr.DataTree) -> PotentialSegments:
 
 def _require_one_assembly(tree: xr.DataTree) -> None:
     """Refuse a result whose torques are not in the assembly that its ease-off is of."""
-    instance("tree", tree, xr.DataTree)
     if "misalignment" not in tree.children:  # older results
         return
     for name, units in (("offset", "mm"), ("pinion_axial", "mm"), ("gear_axial", "mm"), ("shaft_angle", "rad")):

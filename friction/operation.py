@@ -113,9 +113,8 @@ class Operation:
     def __post_init__(self) -> None:
         speeds = distinct("speed", self.speed, "1/min", above=0.0, most=SPEED_LIMIT)
         if speeds.min() < SPEED_MINIMUM:
-            raise InputError(
-                f"speed = {speeds.min():g}: must be a number from {SPEED_MINIMUM:g} to {SPEED_LIMIT:g} [1/min]"
-            )
+            allowed = f"from {SPEED_MINIMUM:g} to {SPEED_LIMIT:g} [1/min]"
+            raise InputError(f"speed = {speeds.min():g}: must be a number {allowed}")
         temperatures = distinct("temperature", self.temperature, "degC", above=ABSOLUTE_ZERO, most=TEMPERATURE_LIMIT)
         given = self.roughness
         many = isinstance(given, list) or (isinstance(given, np.ndarray) and given.ndim > 0)
@@ -128,12 +127,8 @@ class Operation:
             raise InputError(f"roughness = {given!r}: must be values that differ; of a pair the quadratic mean counts")
         if self.bulk_temperature is not None:
             number("bulk_temperature", self.bulk_temperature, "degC", above=ABSOLUTE_ZERO, most=BULK_TEMPERATURE_LIMIT)
-        for name, value in (
-            ("speeds", speeds),
-            ("temperatures", temperatures),
-            ("roughnesses", flat),
-            ("lubricant", lubricant(self.oil)),
-        ):
+        found = {"speeds": speeds, "temperatures": temperatures, "roughnesses": flat, "lubricant": lubricant(self.oil)}
+        for name, value in found.items():
             object.__setattr__(self, name, value)
 
     @property
@@ -249,22 +244,15 @@ class FrictionModel:
 def checked_model(operation: Operation, model: FrictionModel | str | float | CoefficientModel | None) -> FrictionModel:
     """Friction model, completed where that of the coefficient alone is given."""
     instance("operation", operation, Operation)
-    if model is None:
-        return FrictionModel()
+    model = FrictionModel() if model is None else model
     return model if isinstance(model, FrictionModel) else FrictionModel(model)
 
 
 def named_models(attributes: Mapping[Any, Any]) -> str:
     """Oil and models of a group ``/friction`` in words, from its attributes: those that are not the usual ones."""
-    usual = {
-        "film": "film",
-        "film_heating": "film heating",
-        "thermal_factor": "thermal factor",
-        "rolling_frame": "rolling frame",
-    }
     words = [f"oil {attributes['oil']}", f"coefficient {attributes['friction_coefficient']}"]
-    for name, word in usual.items():
+    for name in ("film", "film_heating", "thermal_factor", "rolling_frame"):
         default = FrictionModel.__dataclass_fields__[name].default
         if attributes.get(name, default) != default:
-            words.append(f"{word} {attributes[name]}")
+            words.append(f"{name.replace('_', ' ')} {attributes[name]}")
     return ", ".join(words)

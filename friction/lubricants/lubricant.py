@@ -147,9 +147,8 @@ class Lubricant:
                 object.__setattr__(self, key, values)
                 size = values.size
         if not np.all(np.diff(self.temperature) > 0.0):
-            raise InputError(
-                f"temperature of lubricant {self.name} = {shown(self.temperature.tolist())}: must increase"
-            )
+            given = shown(self.temperature.tolist())
+            raise InputError(f"temperature of lubricant {self.name} = {given}: must increase")
         rising = np.flatnonzero(np.diff(self.dynamic_viscosity) > 0.0)
         if rising.size:
             both = [shown(self.dynamic_viscosity[rising[0] + k]) for k in (0, 1)]
@@ -197,12 +196,12 @@ class Lubricant:
         temperatures = np.clip(asked, low, high)
         by_law = interpolation == "walther" and bool(np.all(self._kinematic > WALTHER_MINIMUM))
         viscosity, slope = self._walther(temperatures) if by_law else self._log_linear(temperatures)
-        density = None if self.density is None else np.interp(temperatures, self.temperature, self.density)
+        density = np.full(self.temperature.shape, np.nan) if self.density is None else self.density
         return OilState(
             viscosity=np.asarray(viscosity),
             pressure_viscosity=np.asarray(np.interp(temperatures, self.temperature, self.pressure_viscosity)),
             temperature_viscosity=np.asarray(slope),
-            density=np.full(temperatures.shape, np.nan) if density is None else np.asarray(density),
+            density=np.asarray(np.interp(temperatures, self.temperature, density)),
             thermal_conductivity=self.thermal_conductivity,
             clamped=np.asarray(clamped),
         )
@@ -420,19 +419,14 @@ def _density(weight: float, celsius: Array) -> Array:
 
 def lubricant_toml(oil: Lubricant) -> str:
     """Text of a file that ``lubricant`` reads as the given one, to six digits."""
-
-    def digits(values: Array) -> list[float]:
-        return [float(f"{value:.6g}") for value in values]
-
     tables = {
-        "temperature": (digits(oil.temperature), "degC"),
-        "dynamic_viscosity": (digits(oil.dynamic_viscosity), "Pa s"),
-        "pressure_viscosity": (digits(1e9 * oil.pressure_viscosity), "1/GPa"),
+        "temperature": (oil.temperature, "degC"),
+        "dynamic_viscosity": (oil.dynamic_viscosity, "Pa s"),
+        "pressure_viscosity": (1e9 * oil.pressure_viscosity, "1/GPa"),
+        **({} if oil.density is None else {"density": (oil.density, "kg/m3")}),
     }
-    if oil.density is not None:
-        tables["density"] = (digits(oil.density), "kg/m3")
     head = tomli_w.dumps({"title": oil.title, "source": oil.source})
-    rows = [f"{name} = {values} # {unit}\n" for name, (values, unit) in tables.items()]
+    rows = [f"{name} = {[float(f'{v:.6g}') for v in values]} # {unit}\n" for name, (values, unit) in tables.items()]
     return head + "".join(rows) + f"thermal_conductivity = {oil.thermal_conductivity} # W/(m K)\n"
 
 
