@@ -25,19 +25,11 @@ from ..core.checks import instance, truth
 from ..core.errors import EaseoffError
 from ..geometry.pair.gear_pair import FlankName
 from ..study.case_in_mesh import checked_case
+from . import loaded_rows
 from .flank_contact import FlankContact
 from .geometry_rows import conventional_rows, flank_rows, smallest_gap_rows
-from .loaded_rows import (
-    UnsplitContact,
-    certificate_row,
-    convergence_rows,
-    gap_row,
-    refinements,
-    solver_rows,
-    unsplit_rows,
-)
-from .verification_row import RowStatus, VerificationRow, not_applicable
-from .verified_pair import VerifiedPair
+from .loaded_rows import UnsplitContact
+from .verified_pair import RowStatus, VerificationRow, VerifiedPair, not_applicable
 
 REPORT_IT = "report it with the case file"
 FINER_GRID = "try more lengthwise_nodes and profile_nodes"
@@ -140,8 +132,6 @@ def _line(texts: Sequence[str]) -> str:
 
 
 Step = tuple[str, Callable[[], list[VerificationRow]]]
-Progress = Callable[[int, int, str], None]
-RowSeen = Callable[[VerificationRow], None]
 
 
 @dataclass(frozen=True)
@@ -186,14 +176,10 @@ class Verification:
         >>> Verification("a pair", "drive", rows).dataset()["comparison_status"].values.tolist()
         [0, 2]
         """
-        names = {"quantity": "quantity", "compared": "compared", "difference_unit": "unit"}
+        kinds = {"quantity": str, "compared": str, "difference_unit": str, "difference": float, "limit": float}
+        values = {name: [getattr(row, name.removeprefix("difference_")) for row in self.rows] for name in kinds}
         data: dict[str, Any] = {
-            name: ("comparison", np.array([getattr(row, attribute) for row in self.rows], dtype=str))
-            for name, attribute in names.items()
-        }
-        data |= {
-            name: ("comparison", np.array([getattr(row, name) for row in self.rows], dtype=float))
-            for name in ("difference", "limit")
+            name: ("comparison", np.array(values[name], dtype=kind)) for name, kind in kinds.items()
         }
         status = np.array([row.status for row in self.rows], dtype=np.int8)
         data["comparison_status"] = ("comparison", status, RowStatus.flag_attributes())
@@ -219,8 +205,8 @@ def verify(
     misalignment: MisalignmentSource | None = None,
     torques: float | Sequence[float] | None = None,
     without_split: bool = False,
-    progress: Progress | None = None,
-    on_row: RowSeen | None = None,
+    progress: Callable[[int, int, str], None] | None = None,
+    on_row: Callable[[VerificationRow], None] | None = None,
 ) -> Verification:
     """Put the pair of a case through the independent methods.
 
@@ -268,7 +254,7 @@ def verify(
     if without_split:
         steps.append((f"{name}: bodies of the teeth", partial(_prepared, contact)))
         steps += [(name, partial(_solved, contact, place, solutions)) for place in contact.places]
-        steps.append((name, lambda: list(unsplit_rows(contact, solutions))))
+        steps.append((name, lambda: list(loaded_rows.unsplit_rows(contact, solutions))))
     rows: list[VerificationRow] = []
     for number, (label, step) in enumerate(steps):
         if progress is not None:
@@ -291,15 +277,15 @@ ANALYSIS = "analysis"
 
 def _steps(pair: VerifiedPair) -> Iterator[Step]:
     """Names and functions of the steps, the analysis first."""
-    yield ANALYSIS, lambda: [certificate_row(pair)]
+    yield ANALYSIS, lambda: [loaded_rows.certificate_row(pair)]
     for member in ("pinion", "gear"):
         yield f"flank of the {member}", partial(_flank_rows, pair, member)
     yield "conventional contact analysis", lambda: conventional_rows(pair)
     yield "smallest gap", lambda: smallest_gap_rows(pair)
-    yield "gaps of loaded segments", lambda: [gap_row(pair)]
-    yield "solvers", lambda: solver_rows(pair)
-    for refinement in refinements(pair.case):
-        yield f"convergence, {refinement.name}", partial(convergence_rows, pair, refinement)
+    yield "gaps of loaded segments", lambda: [loaded_rows.gap_row(pair)]
+    yield "solvers", lambda: loaded_rows.solver_rows(pair)
+    for refinement in loaded_rows.refinements(pair.case):
+        yield f"convergence, {refinement.name}", partial(loaded_rows.convergence_rows, pair, refinement)
 
 
 def _flank_rows(pair: VerifiedPair, member: str) -> list[VerificationRow]:

@@ -99,17 +99,13 @@ def directional_curvatures(surface: GeneratingSurface, parameters: Array) -> Dir
     step.
     """
     with np.errstate(all="ignore"):
-        points = SurfacePoints.of(surface, parameters)
-        tangents, acrosses, curvatures, torsions = [], [], [], []
+        points, along = SurfacePoints.of(surface, parameters), []
         for derivative in points.slopes:
             length = np.sqrt(dot(derivative[:3], derivative[:3]))
             tangent, turning = derivative[:3] / length, derivative[3:6] / length
             across = cross(points.normal, tangent)
-            tangents.append(tangent)
-            acrosses.append(across)
-            curvatures.append(dot(turning, tangent))
-            torsions.append(dot(turning, across))
-    return DirectionalCurvatures(np.stack(tangents), np.stack(acrosses), np.stack(curvatures), np.stack(torsions))
+            along.append((tangent, across, dot(turning, tangent), dot(turning, across)))
+    return DirectionalCurvatures(*map(np.stack, zip(*along, strict=True)))
 
 
 @record(frozen=True)
@@ -126,23 +122,20 @@ class PointContact:
     converged: Bools
 
 
-def point_contact(
-    motion: ConjugateMotion,
-    gear_surface: GeneratingSurface,
-    pinion_rotation: Array,
-    gear_start: Array,
-    pinion_start: Array,
-    closing_start: Array,
-    *,
-    iterations: int = 30,
-) -> PointContact:
-    """Solve the five equations of contact at pinion rotations (n) in the drive sense [rad] by Newton's method.
+def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointContact:
+    """Points of contact at rotations (n) from the pinion's middle in the drive sense [rad], by Newton's method.
 
-    Rotations count as in ``motion``; starts are surface parameters (2, n) and closing angle (n).
+    Solves the five equations of contact, each from the nearest node of the ease-off.
     """
-    assembly = motion.assembly
+    motion, gear_surface = ease_off.motion, gear.surface
+    assembly, pinion_rotation = motion.assembly, rotations + motion.center
+    inside = np.flatnonzero(ease_off.inside)
+    beyond = rotations[:, None] - ease_off.roll_angle[inside]
+    gap = ease_off.angle[inside] + 0.5 * ease_off.separation_curvature[inside] * beyond**2
+    node = inside[np.argmin(gap, axis=1)]
+    starts = gear.parameters[:, node], ease_off.pinion_parameters[:, node], gap.min(axis=1)[None]
     # The five unknowns, and below them the given rotation.
-    values = np.concatenate([gear_start, pinion_start, closing_start[None], pinion_rotation[None]])
+    values = np.concatenate([*starts, pinion_rotation[None]])
 
     def mismatch(values: Array) -> Array:
         p, n_p = motion.action_point(values[2:4], values[5])
@@ -154,36 +147,12 @@ def point_contact(
 
     limit = np.concatenate([gear_surface.max_step, motion.surface.max_step, [0.05]])
     with np.errstate(all="ignore"):
-        values, converged = limited_newton(mismatch, values, limit, 1e-10, iterations)
+        values, converged = limited_newton(mismatch, values, limit, 1e-10, 30)
         gear_position, _, _ = gear_surface.evaluate(values[:2])
         pinion_position, _, _ = motion.surface.evaluate(values[2:4])
+    found = values[4], values[:2], values[2:4], gear_position, pinion_position
     blank = np.where(converged, 1.0, np.nan)
-    return PointContact(
-        pinion_rotation,
-        values[4] * blank,
-        values[:2] * blank,
-        values[2:4] * blank,
-        gear_position * blank,
-        pinion_position * blank,
-        converged,
-    )
-
-
-def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointContact:
-    """Points of contact at rotations (n) from the pinion's middle in the drive sense [rad], from the nearest node."""
-    motion = ease_off.motion
-    inside = np.flatnonzero(ease_off.inside)
-    beyond = rotations[:, None] - ease_off.roll_angle[inside]
-    gap = ease_off.angle[inside] + 0.5 * ease_off.separation_curvature[inside] * beyond**2
-    node = inside[np.argmin(gap, axis=1)]
-    return point_contact(
-        motion,
-        gear.surface,
-        rotations + motion.center,
-        gear.parameters[:, node],
-        ease_off.pinion_parameters[:, node],
-        gap.min(axis=1),
-    )
+    return PointContact(pinion_rotation, *(one * blank for one in found), converged)
 
 
 @record(frozen=True)
@@ -249,9 +218,8 @@ def stationary_directions(gear: Curvatures, pinion: Curvatures, normal: Array) -
 
 def in_gear_frame(motion: ConjugateMotion, contact: PointContact, vector: Array) -> Array:
     """Directions (3, n) of the pinion's frame, at the points of contact, in the gear's frame."""
-    in_space = rotate(
-        motion.pinion_axis, contact.pinion_rotation, np.tensordot(motion.assembly.pinion_frame, vector, 1)
-    )
+    at_rest = np.tensordot(motion.assembly.pinion_frame, vector, 1)
+    in_space = rotate(motion.pinion_axis, contact.pinion_rotation, at_rest)
     turn = contact.pinion_rotation / motion.assembly.ratio - contact.closing_angle
     return rotate(motion.gear_axis, -turn, in_space)
 
@@ -332,12 +300,12 @@ def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_po
 
 def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMethods:
     """As ``both_methods``, from a geometry: one method takes its ease-off, the conventional one its flanks."""
-    pair, gear, surface = geometry.pair, geometry.members.gear, geometry.exact
+    pair, surface = geometry.pair, geometry.exact
     splines = contact_splines(geometry.flanks, geometry.ease_off)
     mesh = lines_in_mesh(splines, pair.assembly.pinion_pitch, mesh_positions)
     pairs = np.unique(mesh.pair)
     rotation = (mesh.rotations[None, :] - pairs[:, None] * pair.assembly.pinion_pitch).ravel()
-    contact = path_of_contact(gear, surface, rotation)
+    contact = path_of_contact(geometry.members.gear, surface, rotation)
     on_gear = _on_flank(pair.gear, contact.gear_position, contact.gear_parameters)
     on_pinion = _on_flank(pair.pinion, contact.pinion_position, contact.pinion_parameters)
     inside = contact.converged & on_gear & on_pinion
@@ -349,10 +317,9 @@ def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMe
 def _on_flank(member: Member, position: Array, parameters: Array) -> Bools:
     """True where points (3, n) lie within a flank by the margins, and are not undercut."""
     fractions = np.stack(member.section.fractions(position[2], np.hypot(position[0], position[1])))
+    side = seed_lattice(member.loaded, member.section).orientation
     with np.errstate(invalid="ignore"):
-        valid_side = (
-            member.loaded.orientation(parameters) * seed_lattice(member.loaded, member.section).orientation > 0.0
-        )
+        valid_side = member.loaded.orientation(parameters) * side > 0.0
         cut = member.loaded.evaluate(parameters)[2] > BLADE_DISTANCE_MARGIN
     return np.asarray(np.all(np.abs(fractions - 0.5) < 0.5 - EDGE_MARGIN, axis=0) & valid_side & cut)
 

@@ -20,13 +20,13 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
+from numpy.polynomial.polynomial import polyval
 
 from ..core.arrays import Array, record
 from ..core.checks import instance
 from ..core.errors import GeometryError
 from ..geometry.cutting.blade import Blade, BladeSection
 from ..geometry.cutting.generating_surface import GeneratingSurface
-from ..geometry.cutting.machine import MachineSettings
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.flanks.flank import Flank, on_parts, seed_lattice
 from ..geometry.newton import complex_steps, solve
@@ -45,7 +45,7 @@ def cutter_position(
 
     def joint(name: str) -> Array:
         coefficients = (getattr(settings, name), *dict(settings.motions).get(name, ()))
-        return np.asarray(np.polynomial.polynomial.polyval(increment, coefficients)) + 0.0 * increment
+        return np.asarray(polyval(increment, coefficients)) + 0.0 * increment
 
     point = _turned("z", cutter_angle, _blade_point(surface.blade, surface.section, coordinate))
     point = _turned("z", -joint("cutter_swivel"), _turned("x", joint("cutter_tilt"), point))
@@ -55,7 +55,8 @@ def cutter_position(
     # The work axis stands in the machine's x-z plane, at the machine root angle from x: it becomes z of the member.
     x, y, z = _turned("y", joint("machine_root_angle"), point)
     point = np.stack([-z, y, x - joint("machine_center_to_crossing_point")])
-    turned = sense * _roll(settings, increment) - settings.indexing_ratio * cutter_angle
+    roll = polyval(increment, (0.0, 1.0, *(-c for c in settings.modified_roll)))
+    turned = sense * ((settings.ratio_of_roll or 0.0) * roll) - settings.indexing_ratio * cutter_angle
     x, y, z = _turned("z", -turned, point)
     return np.stack([x, y if surface.hand == "right" else -y, z])
 
@@ -72,12 +73,6 @@ def _blade_point(blade: Blade, section: BladeSection, coordinate: Array) -> Arra
     point = np.stack([blade.side_sign * outward, np.zeros_like(outward), -height])
     point = _turned("x", blade.hook_angle, _turned("z", blade.rake_angle, point))
     return _turned("z", blade.offset_angle, _shifted(point, x=blade.point_radius))
-
-
-def _roll(settings: MachineSettings, increment: Array) -> Array:
-    """Rotation of the work at a cradle increment (n) [rad], modified roll included."""
-    coefficients = (0.0, 1.0, *(-c for c in settings.modified_roll))
-    return (settings.ratio_of_roll or 0.0) * np.asarray(np.polynomial.polynomial.polyval(increment, coefficients))
 
 
 def _turned(axis: str, angle: Any, vector: Array) -> Array:
@@ -171,9 +166,9 @@ def _compared(
     away = np.linalg.norm(place(at) - position, axis=0)
     across = cross(own_normal(at), normal)
     turned = np.sqrt(dot(across, across) / dot(own_normal(at), own_normal(at)))
-    if not generated:
-        return np.stack([away, turned, np.full(away.shape, np.nan)])
-    along = np.abs(condition(at) / difference(condition, at, 0, EDGE_STEP))
+    along = (
+        np.abs(condition(at) / difference(condition, at, 0, EDGE_STEP)) if generated else np.full(away.shape, np.nan)
+    )
     return np.stack([away, turned, along])
 
 

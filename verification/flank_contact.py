@@ -71,10 +71,8 @@ def solve_surface_contact(
 
     Cells have separation and lever arm (n) [mm] and compliance (n, n) [mm/N]; a negative eigenvalue is not certified.
     """
-    problem = ContactProblem(
-        np.concatenate(separation), np.concatenate(lever_arm), torque, scipy.linalg.block_diag(*compliance)
-    )
-    solution = solve(problem)
+    whole_compliance = scipy.linalg.block_diag(*compliance)
+    solution = solve(ContactProblem(np.concatenate(separation), np.concatenate(lever_arm), torque, whole_compliance))
     return np.split(solution.force, np.cumsum([s.size for s in separation])[:-1]), solution
 
 
@@ -181,13 +179,10 @@ def contact_of_flanks(
     truth("beyond_lines", beyond_lines)
     instances("responses", responses, FlankResponse, 2)
     instances("materials", materials, Material, 2)
-    for name, value, unit in (
-        ("torque", torque, "N m"),
-        ("half_width", half_width, "mm"),
-        ("rotation", rotation, "rad"),
-        ("cells_per_half_width", cells_per_half_width, "1"),
-    ):
-        positive(name, value, unit)
+    positive("torque", torque, "N m")
+    positive("half_width", half_width, "mm")
+    positive("rotation", rotation, "rad")
+    positive("cells_per_half_width", cells_per_half_width)
     lines = _lines_at(mesh, position, BORROWED_LINE_DISTANCE if beyond_lines else 0.0)
     pitch = flanks.pair.assembly.pinion_pitch
     across = half_width / cells_per_half_width
@@ -265,10 +260,9 @@ def greatest_stretch_load(place: Array, length: Array, force: Array, stretch: fl
 
 def stretch_load(contact: FlankContact, stretch: float) -> float:
     """Greatest load per length over any stretch of the lines of a contact without the split [N/mm]; 0 if none."""
-    loads = [0.0]
-    for direction, cells, force in zip(line_directions(contact), contact.cells, contact.force, strict=True):
-        loads.append(greatest_stretch_load(cells.position @ direction, cells.sides[:, 0], force, stretch))
-    return max(loads)
+    lines = zip(line_directions(contact), contact.cells, contact.force, strict=True)
+    loads = (greatest_stretch_load(c.position @ along, c.sides[:, 0], force, stretch) for along, c, force in lines)
+    return max(loads, default=0.0)
 
 
 def line_directions(contact: FlankContact) -> list[Array]:

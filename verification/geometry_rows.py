@@ -16,17 +16,11 @@ from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.flanks.curvature import principal_curvatures
 from ..geometry.flanks.flank import Flank, NodeStatus, on_parts
 from ..geometry.vectors import dot
-from .conventional_analysis import (
-    BothMethods,
-    directional_curvatures,
-    line_differences,
-    methods_compared,
-    point_differences,
-)
+from . import conventional_analysis as conventional
+from .conventional_analysis import BothMethods
 from .envelope_condition import envelope_condition
 from .smallest_gap import smallest_envelope
-from .verification_row import VerificationRow, not_applicable
-from .verified_pair import VerifiedPair
+from .verified_pair import VerificationRow, VerifiedPair, not_applicable
 
 POSITION_LIMIT = 1e-11  # of the outer cone distance: 1e-9 mm at 100 mm
 NORMAL_LIMIT = 1e-10  # [rad]
@@ -77,11 +71,10 @@ def _curvature(member: str, flank: Flank, usable: Bools, nodes: str) -> Verifica
     """Principal curvatures and torsion from two directions against the fundamental forms, over the greater one."""
 
     def other(surface: GeneratingSurface, parameters: Array) -> Array:
-        curvatures = directional_curvatures(surface, parameters)
+        curvatures = conventional.directional_curvatures(surface, parameters)
         sine = dot(curvatures.across[0], curvatures.tangent[1])
-        return np.concatenate(
-            [curvatures.shape_operator().principal().curvature, [curvatures.torsion_residual(), sine]]
-        )
+        principal = curvatures.shape_operator().principal().curvature
+        return np.concatenate([principal, [curvatures.torsion_residual(), sine]])
 
     values = on_parts(flank.surface.flank_parts, flank.part, flank.parameters, other)[:, usable]
     expected = principal_curvatures(flank).curvature[:, usable]
@@ -108,8 +101,8 @@ CONVENTIONAL_POSITIONS, GAP_POSITIONS = 48, 16
 
 def conventional_rows(pair: VerifiedPair) -> list[VerificationRow]:
     """Transmission error, path of contact and contact lines against conventional contact analysis."""
-    both = methods_compared(pair.state.cycle.geometry, CONVENTIONAL_POSITIONS)
-    error, away = point_differences(both)
+    both = conventional.methods_compared(pair.state.cycle.geometry, CONVENTIONAL_POSITIONS)
+    error, away = conventional.point_differences(both)
     count, missed = int(both.inside.sum()), int((~both.contact.converged).sum())
     compared = f"five equations, {count} points inside both flanks"
     unsolved_rotations = f"rotations of a tooth pair without a solution, of {both.contact.converged.size}"
@@ -118,14 +111,12 @@ def conventional_rows(pair: VerifiedPair) -> list[VerificationRow]:
         reason = "no tooth pair touches inside both flanks, 2 % off their edges"
         names = ("transmission error of a tooth pair", "path of contact", "relative curvature across the line")
         return [unsolved, *(not_applicable(name, reason) for name in (*names, *LINE_QUANTITIES))]
-    width = pair.state.pair.gear.section.face_width
-    inside = both.inside
+    path_limit = 1e3 * PATH_LIMIT * pair.state.pair.gear.section.face_width
+    error, away = 1e6 * greatest(error[both.inside]), 1e3 * greatest(away[both.inside])
     return [
         unsolved,
-        VerificationRow(
-            "transmission error of a tooth pair", compared, 1e6 * greatest(error[inside]), ERROR_LIMIT, "urad"
-        ),
-        VerificationRow("path of contact", compared, 1e3 * greatest(away[inside]), 1e3 * PATH_LIMIT * width, "um"),
+        VerificationRow("transmission error of a tooth pair", compared, error, ERROR_LIMIT, "urad"),
+        VerificationRow("path of contact", compared, away, path_limit, "um"),
         _curvature_row(both),
         *_line_rows(both),
     ]
@@ -158,7 +149,7 @@ def _line_rows(both: BothMethods) -> list[VerificationRow]:
     The ellipse is of second order: the third order grows with the separation at the line's ends, and an extrapolation
     to none takes it away.
     """
-    wide, narrow = (np.stack(line_differences(both, separation)) for separation in SEPARATIONS)
+    wide, narrow = (np.stack(conventional.line_differences(both, separation)) for separation in SEPARATIONS)
     left = 2.0 * narrow - wide
     whole = np.all(np.isfinite(left), axis=0)
     if not whole.any():
@@ -180,7 +171,6 @@ def smallest_gap_rows(pair: VerifiedPair) -> list[VerificationRow]:
     smallest, _ = smallest_envelope(cycle.geometry, rotations[::step])
     exact = 1e6 * (smallest.closing_angle - zero)
     envelope = cycle.unloaded()["transmission_error_envelope"].values[::step]
-    difference = envelope - exact
     on_edge = int(np.count_nonzero(smallest.edge != ""))
     compared = f"smallest gap of the bounded flanks, {exact.size} mesh positions, {on_edge} at an edge"
-    return [VerificationRow("unloaded transmission error", compared, greatest(difference), ERROR_LIMIT, "urad")]
+    return [VerificationRow("unloaded transmission error", compared, greatest(envelope - exact), ERROR_LIMIT, "urad")]

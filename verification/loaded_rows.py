@@ -24,19 +24,12 @@ from ..contact.loaded import LoadedCase
 from ..contact.solvers import SOLVERS, available_solvers, solve
 from ..core.arrays import Array
 from ..study.analysis.key_numbers import key_numbers
-from .flank_contact import (
-    FlankContact,
-    contact_of_flanks,
-    greatest_stretch_load,
-    line_directions,
-    response_size,
-    stretch_load,
-)
+from . import flank_contact
+from .flank_contact import FlankContact, response_size
 from .flank_response import FlankResponse, flank_response
 from .geometry_rows import greatest
 from .surface_cells import segment_gaps
-from .verification_row import VerificationRow, not_applicable
-from .verified_pair import VerifiedPair
+from .verified_pair import VerificationRow, VerifiedPair, not_applicable
 
 GAP_LIMIT = 0.2  # [%], of the rotation
 POLISHED_LIMIT = 1e-9  # of the rotation; polished answers agree to rounding
@@ -66,13 +59,11 @@ def certificate_row(pair: VerifiedPair) -> VerificationRow:
 def gap_row(pair: VerifiedPair) -> VerificationRow:
     """Effect of gap errors of loaded segments on the transmission error."""
     chosen = [case for case in cases_at(pair, GAP_POSITIONS) if case.solution.certified]
-    errors = [
-        segment_gaps(pair.flanks, pair.state.cycle, case).rotation_error / case.solution.rotation for case in chosen
-    ]
+    gaps = [segment_gaps(pair.flanks, pair.state.cycle, case) for case in chosen]
+    errors = [gap.rotation_error / case.solution.rotation for gap, case in zip(gaps, chosen, strict=True)]
     compared = f"gaps of the turned flanks where they carry, {len(chosen)} positions and torques"
-    return VerificationRow(
-        "loaded transmission error by its gaps", compared, 100.0 * greatest(np.array(errors)), GAP_LIMIT, "%"
-    )
+    error = 100.0 * greatest(np.array(errors))
+    return VerificationRow("loaded transmission error by its gaps", compared, error, GAP_LIMIT, "%")
 
 
 def solver_rows(pair: VerifiedPair, solvers: Sequence[str] | None = None) -> list[VerificationRow]:
@@ -107,9 +98,8 @@ def _apart(cases: list[LoadedCase], name: str, *, polish: bool) -> tuple[int, fl
     """Number of certified answers and greatest rotation difference; NaN if a polished one is not certified."""
     tolerance = SOLVERS[name].tolerance if name in SOLVERS and not polish else None
     solutions = [solve(case.problem, name, polish=polish, tolerance=tolerance) for case in cases]
-    ratios = [
-        one.rotation / case.solution.rotation for one, case in zip(solutions, cases, strict=True) if one.certified
-    ]
+    answers = [(one, case) for one, case in zip(solutions, cases, strict=True) if one.certified]
+    ratios = [one.rotation / case.solution.rotation for one, case in answers]
     return len(ratios), greatest(np.array(ratios) - 1.0) if len(ratios) == len(cases) or not polish else float("nan")
 
 
@@ -117,15 +107,8 @@ GRID_FACTOR, SEGMENTS_FACTOR, POSITIONS_FACTOR, MODES_FACTOR, FINENESS_FACTOR = 
 #: Numbers that tell the state of the solution, or look at the nodes on the common flank, whose border lies between
 #: nodes; and of the greatest pressure all but its value: between two that are nearly as great its place jumps.
 NOT_COMPARED = {
-    "common_flank",
-    "max_ease_off",
-    "certified_positions",
-    "worst_certificate",
-    "max_pressure_lengthwise",
-    "max_pressure_profile",
-    "max_pressure_position",
-    "max_pressure_pair",
-    "max_pressure_line_end",
+    *("common_flank", "max_ease_off", "certified_positions", "worst_certificate"),
+    *(f"max_pressure_{place}" for place in ("lengthwise", "profile", "position", "pair", "line_end")),
 }
 ERRORS, UNLOADED, PLACES = "transmission error", "unloaded transmission error", "shares, ratios and places"
 PRESSURE, PRESSURE_AT_END, OTHERS = "greatest pressure", "greatest pressure, at a line's end", "other numbers"
@@ -159,9 +142,8 @@ class Refinement:
 def refinements(case: Case) -> list[Refinement]:
     """Refinements that make sense for a case; those of the elastic teeth depend on its model."""
     contact, elastic = case.contact, case.compliance
-    nodes = {
-        key: math.ceil((getattr(contact, key) - 1) * GRID_FACTOR) + 1 for key in ("lengthwise_nodes", "profile_nodes")
-    }
+    keys = ("lengthwise_nodes", "profile_nodes")
+    nodes = {key: math.ceil((getattr(contact, key) - 1) * GRID_FACTOR) + 1 for key in keys}
     segments = {"segments_per_line": round(SEGMENTS_FACTOR * contact.segments_per_line)}
     positions = {"mesh_positions": round(POSITIONS_FACTOR * contact.mesh_positions)}
     common_refinements = [
@@ -215,8 +197,7 @@ def changes(coarse: xr.Dataset, fine: xr.Dataset) -> Iterator[tuple[str, float, 
                 words = f"{name}{at} {number:.5g} and {finer:.5g} {unit}".removesuffix(" 1")
                 itself = scale[place] == abs(number)
                 worst[group] = change, words + ("" if itself else relative.format(scale[place]))
-    for group, (value, label) in worst.items():
-        yield group, value, label
+    return ((group, value, label) for group, (value, label) in worst.items())
 
 
 def _group(both: tuple[xr.Dataset, xr.Dataset], name: str, place: tuple[int, ...]) -> str:
@@ -293,7 +274,7 @@ class UnsplitContact:
         """Contact at one torque and mesh position, by their numbers."""
         loaded = self.separate.analysis.tree["loaded"].to_dataset().isel(torque=torque)
         # Of the analysis no more is taken than where to lay the cells, and how small they should be.
-        return contact_of_flanks(
+        return flank_contact.contact_of_flanks(
             self.pair.flanks,
             self.responses,
             materials(self.pair.case),
@@ -314,14 +295,14 @@ def unsplit_rows(contact: UnsplitContact, solutions: dict[tuple[int, int], Flank
     rotation, share, load, unsettled = [], [], [], []
     for torque in range(contact.pair.torques.size):
         contacts = {k: one for (number, k), one in solutions.items() if number == torque}
-        analysis = loaded.isel(torque=torque, mesh_position=list(contacts))
-        rotation += [100.0 * d for d in rotation_differences(analysis, list(contacts.values()))]
-        share += [100.0 * d for d in share_differences(analysis, list(contacts.values()))]
-        load.append(100.0 * line_load_difference(analysis, list(contacts.values()), splines))
+        analysis, found = loaded.isel(torque=torque, mesh_position=list(contacts)), list(contacts.values())
+        rotation += [100.0 * d for d in rotation_differences(analysis, found)]
+        share += [100.0 * d for d in share_differences(analysis, found)]
+        load.append(100.0 * line_load_difference(analysis, found, splines))
         stretch = strip_width(analysis)
-        theirs = {k: stretch_load(one, stretch) for k, one in contacts.items()}
+        theirs = {k: flank_contact.stretch_load(one, stretch) for k, one in contacts.items()}
         most = max(theirs, key=lambda k: theirs[k])
-        coarse = stretch_load(contact.coarser.solved(torque, most), stretch)
+        coarse = flank_contact.stretch_load(contact.coarser.solved(torque, most), stretch)
         unsettled.append(100.0 * abs(coarse / theirs[most] - 1.0) if theirs[most] else np.nan)
     yield VerificationRow("transmission error", compared, greatest(np.array(rotation)), ROTATION_LIMIT, "%")
     yield VerificationRow("load share of a tooth pair", compared, greatest(np.array(share)), SHARE_LIMIT, "%")
@@ -355,11 +336,11 @@ def line_load_difference(loaded: xr.Dataset, solutions: list[FlankContact], spli
     stretch, loads = strip_width(loaded), [0.0]
     for k, one in enumerate(solutions):
         segments = loaded.isel(mesh_position=k)
-        for pair, direction in zip(one.pairs, line_directions(one), strict=True):
+        for pair, direction in zip(one.pairs, flank_contact.line_directions(one), strict=True):
             chosen = (segments["tooth"].values == pair) & (segments["force"].values > 0.0)
             length, force = (segments[name].values[chosen] for name in ("length", "force"))
             points = np.stack([segments[name].values[chosen] for name in ("lengthwise", "profile")])
             place = np.einsum("x,xn->n", direction, splines("position", points))
-            loads.append(greatest_stretch_load(place, length, force, stretch))
-    theirs = max((stretch_load(one, stretch) for one in solutions), default=0.0)
+            loads.append(flank_contact.greatest_stretch_load(place, length, force, stretch))
+    theirs = max((flank_contact.stretch_load(one, stretch) for one in solutions), default=0.0)
     return max(loads) / theirs - 1.0 if theirs else np.nan

@@ -15,14 +15,8 @@ import math
 
 import numpy as np
 
-from ..contact.compliance import Shell
+from ..contact.compliance import Shell, shell_kinematics as kinematics
 from ..contact.compliance.shell import root_shapes
-from ..contact.compliance.shell_kinematics import (
-    NUMBER_OF_ROOT_QUANTITIES,
-    ROOT_DEFLECTION,
-    ROOT_HEIGHT_SHIFT,
-    ROOT_ROTATION,
-)
 from ..core.arrays import Array
 from ..core.checks import array, instance, number, positive
 from ..core.errors import InputError
@@ -40,7 +34,7 @@ def root_section_forces(shell: Shell, arc: Array, load_vectors: Array) -> Array:
     vectors = root_shapes(shell.kinematics, functions)[:, None, :, :, None] * along[:, None, None, :]
     motion = shell.whiten(vectors.reshape(-1, shell.size)).T @ shell.whiten(load_vectors)
     springs = shell.foundation.stiffness(shell.dimensions.thickness(0.0, arc), shell.material)
-    motion = motion.reshape(NUMBER_OF_ROOT_QUANTITIES, arc.size, -1)
+    motion = motion.reshape(kinematics.NUMBER_OF_ROOT_QUANTITIES, arc.size, -1)
     return np.asarray(np.einsum("sab,bsn->asn", springs, motion))
 
 
@@ -86,9 +80,9 @@ def shell_root_stress(
     number("pressure_angle", pressure_angle, "rad", above=-0.5 * math.pi, below=0.5 * math.pi)
     forces = root_section_forces(shell, arc, load_vectors)
     thickness = shell.dimensions.thickness(0.0, arc)[:, None]
-    moment, shear = np.abs(forces[ROOT_ROTATION]), np.abs(forces[ROOT_DEFLECTION])
+    moment, shear = np.abs(forces[kinematics.ROOT_ROTATION]), np.abs(forces[kinematics.ROOT_DEFLECTION])
     height = np.maximum(moment, 1e-12) / np.maximum(shear, 1e-12)
     # Far from the load moment and shear lose touch; heights above the tooth's own, or none, make no notch.
     height = np.clip(height, 0.2 * shell.dimensions.largest_height, shell.dimensions.largest_height)
-    nominal = 6.0 * moment / thickness**2 + forces[ROOT_HEIGHT_SHIFT] / thickness
+    nominal = 6.0 * moment / thickness**2 + forces[kinematics.ROOT_HEIGHT_SHIFT] / thickness
     return np.asarray(notch_factor(thickness, fillet_radius, height, pressure_angle) * np.maximum(nominal, 0.0))

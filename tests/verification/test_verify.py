@@ -44,6 +44,7 @@ from easeoff.verification import (
     Verification,
     VerificationRow,
     case_verification,
+    conventional_analysis,
     envelope_condition,
     geometry_rows,
     loaded_rows,
@@ -55,8 +56,7 @@ from easeoff.verification.envelope_condition import cutter_position
 from easeoff.verification.geometry_rows import conventional_rows, flank_rows, smallest_gap_rows
 from easeoff.verification.loaded_rows import LIMITS, Refinement, UnsplitContact, changes, convergence_rows, refinements
 from easeoff.verification.surface_cells import SegmentGaps, SurfaceCells, segment_gaps
-from easeoff.verification.verification_row import not_applicable
-from easeoff.verification.verified_pair import VerifiedPair
+from easeoff.verification.verified_pair import VerifiedPair, not_applicable
 
 COARSE = {"mesh_positions": 4, "segments_per_line": 15, "lengthwise_nodes": 21, "profile_nodes": 15}
 TORQUE = 250.0
@@ -211,7 +211,7 @@ def test_an_equation_without_a_solution_is_counted(pair: VerifiedPair, monkeypat
         lost[:3] = False
         return replace(both, contact=replace(both.contact, converged=lost))
 
-    monkeypatch.setattr(geometry_rows, "methods_compared", missing)
+    monkeypatch.setattr(conventional_analysis, "methods_compared", missing)
     rows = conventional_rows(pair)
     assert outside(rows) == ["conventional analysis"]
     assert rows[0].difference == 3
@@ -220,7 +220,9 @@ def test_an_equation_without_a_solution_is_counted(pair: VerifiedPair, monkeypat
 def test_contact_at_edges_alone_is_not_applicable(pair: VerifiedPair, monkeypatch: pytest.MonkeyPatch) -> None:
     right = methods_compared
     monkeypatch.setattr(
-        geometry_rows, "methods_compared", lambda *given: replace(b := right(*given), inside=np.zeros_like(b.inside))
+        conventional_analysis,
+        "methods_compared",
+        lambda *given: replace(b := right(*given), inside=np.zeros_like(b.inside)),
     )
     assert [row.status.name for row in conventional_rows(pair)] == ["WITHIN", *["NOT_APPLICABLE"] * 5]
 
