@@ -177,10 +177,8 @@ class Verification:
         [0, 2]
         """
         kinds = {"quantity": str, "compared": str, "difference_unit": str, "difference": float, "limit": float}
-        values = {name: [getattr(row, name.removeprefix("difference_")) for row in self.rows] for name in kinds}
-        data: dict[str, Any] = {
-            name: ("comparison", np.array(values[name], dtype=kind)) for name, kind in kinds.items()
-        }
+        given = {name: [getattr(row, name.removeprefix("difference_")) for row in self.rows] for name in kinds}
+        data: dict[str, Any] = {name: ("comparison", np.array(given[name], dtype=kind)) for name, kind in kinds.items()}
         status = np.array([row.status for row in self.rows], dtype=np.int8)
         data["comparison_status"] = ("comparison", status, RowStatus.flag_attributes())
         attributes = {"Conventions": "CF-1.11", "title": f"{self.title}: verification", "flank": self.flank}

@@ -152,7 +152,7 @@ def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointCo
         pinion_position, _, _ = motion.surface.evaluate(values[2:4])
     found = values[4], values[:2], values[2:4], gear_position, pinion_position
     blank = np.where(converged, 1.0, np.nan)
-    return PointContact(pinion_rotation, *(one * blank for one in found), converged)
+    return PointContact(pinion_rotation, *(one * blank for one in found), converged=converged)
 
 
 @record(frozen=True)

@@ -102,7 +102,7 @@ CONVENTIONAL_POSITIONS, GAP_POSITIONS = 48, 16
 def conventional_rows(pair: VerifiedPair) -> list[VerificationRow]:
     """Transmission error, path of contact and contact lines against conventional contact analysis."""
     both = conventional.methods_compared(pair.state.cycle.geometry, CONVENTIONAL_POSITIONS)
-    error, away = conventional.point_differences(both)
+    errors, distances = conventional.point_differences(both)
     count, missed = int(both.inside.sum()), int((~both.contact.converged).sum())
     compared = f"five equations, {count} points inside both flanks"
     unsolved_rotations = f"rotations of a tooth pair without a solution, of {both.contact.converged.size}"
@@ -112,7 +112,7 @@ def conventional_rows(pair: VerifiedPair) -> list[VerificationRow]:
         names = ("transmission error of a tooth pair", "path of contact", "relative curvature across the line")
         return [unsolved, *(not_applicable(name, reason) for name in (*names, *LINE_QUANTITIES))]
     path_limit = 1e3 * PATH_LIMIT * pair.state.pair.gear.section.face_width
-    error, away = 1e6 * greatest(error[both.inside]), 1e3 * greatest(away[both.inside])
+    error, away = 1e6 * greatest(errors[both.inside]), 1e3 * greatest(distances[both.inside])
     return [
         unsolved,
         VerificationRow("transmission error of a tooth pair", compared, error, ERROR_LIMIT, "urad"),
