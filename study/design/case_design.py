@@ -10,15 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from ...cases.conversion import (
-    blank_design,
-    case_assembly,
-    ease_off_target,
-    gear_pair,
-    misalignment,
-    setting_limits,
-    standard_steps,
-)
+from ...cases import conversion
 from ...cases.deflections import misalignment_at
 from ...cases.schema.case_schema import MATING_SIDES, Case, MemberTable, PinionTable, TargetsTable
 from ...cases.schema.design_schema import Design
@@ -26,23 +18,14 @@ from ...cases.writing import blank_table, flank_settings, recorded_thicknesses
 from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import GeometryError, InputError
-from ...geometry.design.pair_design import PairDesign, design_pair
+from ...geometry.design.pair_design import SIDES, PairDesign, design_pair
 from ...geometry.design.slot_width import require_whole_tooth
 from ...geometry.design.synthesis import Synthesis, fit_pinion
 from ...geometry.flanks.flank import solve_flank
 from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, GearPair
 from ...geometry.pair.modification import Modification
-from .design_check import (
-    DesignReport,
-    blank_or_none,
-    checked_design,
-    cutter_radius_advice,
-    formate_advice,
-    limit_pressure_angle_advice,
-    offset_advice,
-    require_elastic_tooth,
-)
+from .design_check import DesignReport, checked_design, failure_advice, require_elastic_tooth
 
 
 def design_case(design: Design) -> tuple[Case, DesignReport]:
@@ -76,27 +59,25 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     """
     instance("design", design, Design)
     teeth = (design.pinion.number_of_teeth, design.gear.number_of_teeth)
-    basic_data = blank_design(design.blank_design, teeth, design.pair)
+    basic_data = conversion.blank_design(design.blank_design, teeth, design.pair)
+    given = conversion.misalignment(design.misalignment)
     try:
         designed = design_pair(
             basic_data,
-            case_assembly(design, misalignment_at(misalignment(design.misalignment), 0.0, "drive")),
-            {"drive": ease_off_target(design.target.drive), "coast": ease_off_target(design.target.coast)},
+            conversion.case_assembly(design, misalignment_at(given, 0.0, "drive")),
+            {side: conversion.ease_off_target(getattr(design.target, side)) for side in SIDES},
             method=design.pinion.method,
-            limits=setting_limits(design.pinion.limits),
+            limits=conversion.setting_limits(design.pinion.limits),
             free=design.pinion.free_settings,
             follow_root=design.pinion.follow_root,
             generated=design.gear.generation == "generated",
             corrected=design.gear.basic_settings == "mean_point",
-            steps=standard_steps(design.cutter_steps),
+            steps=conversion.standard_steps(design.cutter_steps),
             edge_radii=(design.pinion.tool_edge_radius, design.gear.tool_edge_radius),
             require=require_whole_tooth if design.compliance.model == "shell" else require_elastic_tooth,
         )
     except GeometryError as error:
-        blank = blank_or_none(basic_data)
-        advice = [*formate_advice(design, blank), *limit_pressure_angle_advice(basic_data, blank)]
-        advice += [*cutter_radius_advice(basic_data, blank), *offset_advice(design, basic_data)]
-        raise GeometryError("; ".join([str(error), *advice])) from error
+        raise GeometryError("; ".join([str(error), *failure_advice(design, basic_data)])) from error
     try:
         case = _case(design, designed)
     except InputError as error:
@@ -167,7 +148,7 @@ def fit_modification(case: Case, modification: Modification, *, flank: FlankName
     ``drive`` fits the pinion's concave flank, ``coast`` its convex one; a target recorded for this side is dropped.
     Raises as ``easeoff.geometry.fit_pinion``.
     """
-    pair = gear_pair(case, flank)
+    pair = conversion.gear_pair(case, flank)
     fit = fit_pinion(pair, _Wanted(pair, modification))
     side, _ = MATING_SIDES[flank]
     settings = flank_settings(fit.surface, case.pinion.number_of_teeth)

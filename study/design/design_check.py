@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -24,25 +25,17 @@ from ...contact.evaluation.flank_region import flank_share
 from ...core.arrays import Array, Bools, record
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...geometry.cutting.generating_surface import GeneratingSurface
+from ...geometry.design import slot_width
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ...geometry.design.closest_fit import require_usable, residual_limits
 from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES, PairDesign
 from ...geometry.design.pinion_method import ADVICE, at_limit
-from ...geometry.design.slot_width import (
-    BLADE_OVERLAP,
-    REDUCTIONS,
-    SMALLEST_SHARE,
-    EdgeRadiusLimits,
-    SlotWidths,
-    ToothLine,
-    TopLands,
-    require_whole_tooth,
-)
+from ...geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
 from ...geometry.design.tooth_proportions import FILLET_MUTILATION, ToothProportions, measured_proportions
 from ...geometry.flanks.blank_section import BlankSection
 from ...geometry.flanks.flank import NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
-from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, Member, bodies, grid
+from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, bodies, grid
 from ...geometry.pair.tip_mates import unmet_tips
 from ...geometry.pair.tooth_thickness import contradictions
 from ...geometry.tooth.tooth_flanks import MemberName
@@ -57,10 +50,9 @@ LEAST_CROWNING = 1.0  # [um]; a smaller one looks like mm
 
 def blank_or_none(basic_data: BlankDesign) -> BlankDimensions | None:
     """Dimensions of the blanks of a pair; ``None`` where there are none."""
-    try:
+    with suppress(EaseoffError):
         return blank_dimensions(basic_data)
-    except EaseoffError:
-        return None
+    return None
 
 
 def limit_pressure_angle_advice(basic_data: BlankDesign, blank: BlankDimensions | None) -> list[str]:
@@ -107,6 +99,13 @@ def cutter_radius_advice(basic_data: BlankDesign, blank: BlankDimensions | None)
         f"cutter_radius = {basic_data.cutter_radius:g} mm is {basic_data.cutter_radius / distance:.1f} times the "
         f"gear's mean cone distance of {distance:.0f} mm, 0.7 to 1.2 are usual: the radius is meant, not the diameter?"
     ]
+
+
+def failure_advice(design: Design, basic_data: BlankDesign) -> list[str]:
+    """Advice, a line each, on what may keep a design from being made."""
+    blank = blank_or_none(basic_data)
+    advice = [*formate_advice(design, blank), *limit_pressure_angle_advice(basic_data, blank)]
+    return [*advice, *cutter_radius_advice(basic_data, blank), *offset_advice(design, basic_data)]
 
 
 def small_target_advice(design: Design) -> list[str]:
@@ -178,7 +177,7 @@ class ToothSpaces:
 
     def blade_point(self, member: int) -> tuple[float, float]:
         """Least blade point without a fin in the widest slot, greatest in the narrowest [mm]; pinion 0, gear 1."""
-        return float(self.slots.greatest[member]) / 2.0 + BLADE_OVERLAP, float(self.slots.least[member])
+        return float(self.slots.greatest[member]) / 2.0 + slot_width.BLADE_OVERLAP, float(self.slots.least[member])
 
     def warnings(self) -> Iterator[str]:
         """Warnings of teeth that cannot be cut as they are, a sentence each."""
@@ -206,9 +205,8 @@ def tooth_spaces(drive: GearPair, coast: GearPair, proportions: ToothProportions
     measured = tuple(land_widths(drive, name, t) for name, t in zip(MEMBERS, places, strict=True))
     clearance = np.stack([_fillet_clearance(pair) for pair in (drive, coast)], axis=1)
     edges = [max(m.loaded.blade.edge_radius, m.from_opposite.loaded.blade.edge_radius) for m in members]
-    return ToothSpaces(
-        slots, TopLands(slots), EdgeRadiusLimits(slots), (measured[0], measured[1]), np.array(edges), clearance
-    )
+    limits, measured_pair = EdgeRadiusLimits(slots), (measured[0], measured[1])
+    return ToothSpaces(slots, TopLands(slots), limits, measured_pair, np.array(edges), clearance)
 
 
 def _places(proportions: ToothProportions, member: int) -> Array:
@@ -229,13 +227,11 @@ def _fillet_clearance(pair: GearPair) -> Array:
 
 def _fillet_ends(surface: GeneratingSurface, section: BlankSection, lengthwise: Array) -> Array:
     """Heights above the root cone at which a fillet ends (n) [mm]; none if the flank has no whole fillet there."""
-    if lengthwise.size < 3:  # what the search along the face takes
-        return np.zeros(0)
-    try:
-        points = tooth_side(surface, section, tuple(lengthwise.tolist()), 5, 2).fillet[:, :, -1]
-    except GeometryError:
-        return np.zeros(0)
-    return section.height_above_root(points[2], np.hypot(points[0], points[1]))
+    if lengthwise.size >= 3:  # what the search along the face takes
+        with suppress(GeometryError):
+            points = tooth_side(surface, section, tuple(lengthwise.tolist()), 5, 2).fillet[:, :, -1]
+            return section.height_above_root(points[2], np.hypot(points[0], points[1]))
+    return np.zeros(0)
 
 
 def _texts(values: Array, *, sign: bool = False) -> str:
@@ -283,11 +279,9 @@ def unusual_set_ups(case: Case) -> tuple[str, ...]:
     ]
     if not names:
         return ()
-    flanks, set_ups = (
-        ("flanks have", "set-ups of their own") if len(names) > 1 else ("flank has", "a set-up of its own")
-    )
+    words = ("flanks have", "set-ups of their own") if len(names) > 1 else ("flank has", "a set-up of its own")
     return (
-        f"Note: the pinion's {' and '.join(names)} {flanks} tilt and modified roll in {set_ups}, as the closest fit "
+        f"Note: the pinion's {' and '.join(names)} {words[0]} tilt and modified roll in {words[1]}, as the closest fit "
         "gives for analysis; the methods of the shop (fixed_setting, modified_roll, tilt, completing) make none such",
     )
 
@@ -296,11 +290,8 @@ def missing_flanks(unmet: tuple[float, float]) -> Iterator[tuple[MemberName, str
     """Members whose flank ends before the mate's tip has passed it, by ``unmet_tips``, each with a warning."""
     for name, mate, share in zip(reversed(BOTH_MEMBERS), BOTH_MEMBERS, unmet, strict=True):
         if not share <= UNMET_LIMIT:
-            yield (
-                name,
-                f"the {mate}'s tip meets no flank on {100 * share:.0f} % of its length: there the {name}'s root is "
-                "undercut, or its fillet reaches too high",
-            )
+            where = f"the {mate}'s tip meets no flank on {100 * share:.0f} % of its length"
+            yield name, f"{where}: there the {name}'s root is undercut, or its fillet reaches too high"
 
 
 def off_the_root(member: str, gap: Array, clearance: float, advice: str = "") -> Iterator[str]:
@@ -334,7 +325,7 @@ def unfinished_teeth(pair: GearPair, model: str) -> Iterator[tuple[MemberName, s
     for name in BOTH_MEMBERS:
         try:
             if model == "shell":
-                require_whole_tooth(pair, name)
+                slot_width.require_whole_tooth(pair, name)
             else:
                 require_elastic_tooth(pair, name)
         except GeometryError as error:
@@ -343,16 +334,9 @@ def unfinished_teeth(pair: GearPair, model: str) -> Iterator[tuple[MemberName, s
 
 def require_elastic_tooth(pair: GearPair, member: MemberName) -> None:
     """Refuse a tooth that the default compliance cannot take, loaded on either flank."""
-    for loaded in (pair, _from_the_other_side(pair)):
+    other_side = replace(pair, pinion=pair.pinion.from_opposite, gear=pair.gear.from_opposite)
+    for loaded in (pair, other_side):
         require_solid_shell(loaded, member)
-
-
-def _from_the_other_side(pair: GearPair) -> GearPair:
-    def turned(member: Member) -> Member:
-        assert member.opposite is not None  # a designed pair has both flanks
-        return replace(member, loaded=member.opposite, opposite=member.loaded)
-
-    return replace(pair, pinion=turned(pair.pinion), gear=turned(pair.gear))
 
 
 EASE_OFF_NODES = (15, 11)
@@ -430,8 +414,7 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
                 f"{side}: the ease-off misses the target by up to {1e3 * item.largest_residual:.1f} um; "
                 f"{ADVICE[design.pinion.method]}, or change the target"
             )
-        for name in item.at_limit:
-            warnings.append(f"{side}: {name} stands at its limit, see [pinion.limits]")
+        warnings += [f"{side}: {name} stands at its limit, see [pinion.limits]" for name in item.at_limit]
         for name, text in missing_flanks(unmet_tips(designed.pair(side))):
             less, more = ("smaller", "larger") if name == "pinion" else ("larger", "smaller")
             warnings.append(
@@ -442,8 +425,7 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
             warnings.append(f"{side}: pinion and gear meet on {100 * item.common_flank:.0f} % of the gear flank alone")
         followed = design.pinion.follow_root
         advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
-        off_root = off_the_root("pinion", item.root_gap, clearance, f"; {advice}")
-        warnings += [f"{side}: {text}" for text in off_root]
+        warnings += [f"{side}: {text}" for text in off_the_root("pinion", item.root_gap, clearance, f"; {advice}")]
     messages = unfinished_teeth(designed.pair(), design.compliance.model)
     unfinished = [text + _advice(design, designed, name) for name, text in messages]
     spaces = _spaces(design, designed)
@@ -468,10 +450,9 @@ def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
         design.blank_design.number_of_blade_groups or 0,
         generated_gear=design.gear.generation == "generated",
     )
-    try:
+    with suppress(GeometryError):
         return tooth_spaces(designed.pair("drive"), designed.pair("coast"), proportions)
-    except GeometryError:
-        return None
+    return None
 
 
 def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
@@ -479,8 +460,9 @@ def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
     if getattr(design, name).tool_edge_radius is not None:
         return ""
     blade = (designed.gear[0] if name == "gear" else designed.pinion["drive"].surface).blade
+    smallest = slot_width.REDUCTIONS[-1] * blade.edge_radius
     return (
-        f"; edge radii from {blade.edge_radius:.3g} down to {REDUCTIONS[-1] * blade.edge_radius:.2g} mm were tried, so "
+        f"; edge radii from {blade.edge_radius:.3g} down to {smallest:.2g} mm were tried, so "
         "change the blanks: depth_taper, cutter_radius, thickness_factor or clearance_factor against a narrow slot, "
         "gear_mean_addendum_factor (or profile_shift_coefficient), the pressure angles or more teeth against undercut, "
         "a larger gear_mean_addendum_factor or thickness_factor against a pointed pinion"
@@ -527,7 +509,7 @@ def rounding_limits(design: Design, report: DesignReport, case: Case) -> tuple[d
         limits, radius = setting_limits(design.pinion.limits), design.blank_design.cutter_radius
         allowed = partial(limits.allowed, root_angle=report.blank.pinion.root_angle, cutter_radius=radius)
         ranges[0].update({name: allowed(name) for side in report.sides.values() for name in side.moved})
-    least = SMALLEST_SHARE * report.blank.mean_normal_module
+    least = slot_width.SMALLEST_SHARE * report.blank.mean_normal_module
     for member_ranges, member in zip(ranges, (case.pinion, case.gear), strict=True):
         assert member.concave is not None  # a designed case has all flanks, and one edge radius a member
         radius = member.concave.cutter.tool_edge_radius

@@ -15,15 +15,8 @@ from ...cases.conversion import materials
 from ...cases.deflection_table import MisalignmentSource, misalignments_of
 from ...cases.deflections import assembly_columns
 from ...cases.schema.case_schema import Case
-from ...contact.modification.convex_programme import (
-    Goal,
-    Objective,
-    checked_objective,
-    end_loads,
-    figures,
-    peak_to_peaks,
-    worst_assembly,
-)
+from ...contact.modification import convex_programme
+from ...contact.modification.convex_programme import Goal, Objective, end_loads, figures, worst_assembly
 from ...contact.modification.load_response import LoadResponse, stacked
 from ...contact.modification.modification_search import ModificationSearch, optimal_modification
 from ...contact.modification.modified_contact import ModifiedContact
@@ -135,7 +128,7 @@ def modify(
     if largest < LARGEST_MODIFICATION_MINIMUM:
         raise InputError(f"largest = {largest:g}: must be at least {LARGEST_MODIFICATION_MINIMUM:g} [um]")
     whole("programmes", programmes, 1)
-    chosen, names = checked_objective(objective), terms(order)
+    chosen, names = convex_programme.checked_objective(objective), terms(order)
     require_solver(solver)
     load = case_torques(checked, torques)
     others = misalignments_of(misalignments)
@@ -173,9 +166,8 @@ def modify(
     optimum = optimal_modification(solved, start, full_contact, goal, programmes=programmes, progress=told(progress))
     best = contacts[0][1].modification(optimum.coefficients)
     tree = contact_analysis(case_state.modified(best), load, edge_contact=False, solver=solver).tree
-    record = _compared(
-        checked, start, optimum, xr.Dataset({"least_line_load": ("torque", least)}, {"torque": load}), states
-    )
+    least_loads = xr.Dataset({"least_line_load": ("torque", least)}, {"torque": load})
+    record = _compared(checked, start, optimum, least_loads, states)
     record.attrs |= {
         "objective": chosen,
         "edge_contact": 0,
@@ -236,7 +228,7 @@ def _compared(
         "max_pressure": (grid, both(lambda loads: figures(loads, "peak_pressure")) / math.sqrt(math.pi * flexibility)),
         "load_norm": (grid, both(lambda loads: figures(loads, "even_load"))),
         "max_end_load": (grid, np.maximum(both(end_loads), 0.0)),
-        "peak_to_peak": (grid, both(peak_to_peaks)),
+        "peak_to_peak": (grid, both(convex_programme.peak_to_peaks)),
         "least_line_load": least["least_line_load"].variable,
     }
     depends = np.array([one.deflections is not None for one in states], dtype=np.int8)
@@ -268,12 +260,6 @@ def _surface(modification: Modification, ease_off: xr.Dataset) -> xr.Dataset:
     """The group ``modification``."""
     lengthwise, profile = ease_off["lengthwise"].values, ease_off["profile"].values
     values = modification(*np.meshgrid(lengthwise, profile, indexing="ij"))
-    return labelled(
-        xr.Dataset(
-            {
-                "coefficient": ("term", list(modification.coefficients.values())),
-                "modification": (("lengthwise", "profile"), values),
-            },
-            coords={"term": list(modification.coefficients), "lengthwise": lengthwise, "profile": profile},
-        )
-    )
+    names, coefficients = list(modification.coefficients), list(modification.coefficients.values())
+    data = {"coefficient": ("term", coefficients), "modification": (("lengthwise", "profile"), values)}
+    return labelled(xr.Dataset(data, coords={"term": names, "lengthwise": lengthwise, "profile": profile}))

@@ -14,13 +14,8 @@ from ...cases.schema.cutting_table import FlankSettings, blade_field
 from ...core.arrays import RealArray as Array
 from ...core.checks import array, instance
 from ...core.errors import GeometryError
-from ...geometry.cutting.named_settings import (
-    USUAL_RESOLUTION,
-    MachineResolution,
-    nearest_multiple,
-    setting_step,
-    step_of,
-)
+from ...geometry.cutting import named_settings
+from ...geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution, step_of
 from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import FlankName, grid
 
@@ -121,8 +116,9 @@ def _flank(
         step = step_of(name, steps)
         if value is None or step is None:
             return value
-        factor = setting_step(name, steps).factor if name in limits and name != "edge_radius" else 1.0
-        return nearest_multiple(value, step, *(factor * end for end in limits.get(name, (-math.inf, math.inf))))
+        factor = named_settings.setting_step(name, steps).factor if name in limits and name != "edge_radius" else 1.0
+        ends = (factor * end for end in limits.get(name, (-math.inf, math.inf)))
+        return named_settings.nearest_multiple(value, step, *ends)
 
     machine = {key: rounded(value, key) for key, value in settings.machine}
     motions = {
