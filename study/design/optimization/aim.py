@@ -7,6 +7,7 @@ Form of the ease-off at some nodes of the flank, a rotation left out, and its ch
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -23,8 +24,7 @@ from ....core.errors import EaseoffError, InputError, suggestion
 from ....geometry.pair.ease_off import exact_ease_off
 from ....geometry.pair.gear_pair import FlankName, GearPair
 from ...analysis.setting_derivatives import SolvedContact
-from .composite import Composite, Kind
-from .step_programme import Form, judged_objective
+from .step_programme import Composite, Form, Kind, judged_objective
 from .trust_region import Merit
 
 HARMONIC = re.compile(r"harmonic_([1-9]|1\d|20)")
@@ -44,8 +44,12 @@ class QuantityKind:
     long_name: str
     kind: Kind
     variable: str
-    over_torque: bool = True
     member: str | None = None
+
+    @property
+    def over_torque(self) -> bool:
+        """True if the torque changes it."""
+        return self.variable not in ("unloaded_transmission_error_envelope", "ease_off", "blade_tip_gap")
 
 
 _ERROR = "loaded transmission error"
@@ -53,11 +57,7 @@ KINDS: dict[str, QuantityKind] = {
     "peak_to_peak": QuantityKind("urad", f"peak to peak of the {_ERROR}", "range", "transmission_error"),
     "max_pressure": QuantityKind("MPa", "greatest contact pressure", "greatest", "pressure"),
     "unloaded_peak_to_peak": QuantityKind(
-        "urad",
-        "peak to peak of the unloaded transmission error",
-        "range",
-        "unloaded_transmission_error_envelope",
-        over_torque=False,
+        "urad", "peak to peak of the unloaded transmission error", "range", "unloaded_transmission_error_envelope"
     ),
     **{
         f"{member}_root_stress": QuantityKind(
@@ -74,14 +74,10 @@ KINDS: dict[str, QuantityKind] = {
         for way in ("lengthwise", "profile")
     },
     "ease_off_change": QuantityKind(
-        "um", "greatest change of the ease-off, a rotation left out", "greatest", "ease_off", over_torque=False
+        "um", "greatest change of the ease-off, a rotation left out", "greatest", "ease_off"
     ),
     "root_line_change": QuantityKind(
-        "mm",
-        "greatest change of the distance of blade tips from root cones",
-        "greatest",
-        "blade_tip_gap",
-        over_torque=False,
+        "mm", "greatest change of the distance of blade tips from root cones", "greatest", "blade_tip_gap"
     ),
 }
 #: What a case needs for variables that not every analysis has.
@@ -156,17 +152,16 @@ class ContactQuantity:
         """
         meaning = self.meaning
         level, slope = _rows(meaning, values, slopes, torque)
-        if self.name == "ease_off_change":
-            arm = ordered(start, "lever_arm", "lengthwise", "profile").ravel()
-            change = level - _rows(meaning, start, None, torque)[0]
-            level, slope = _both_signs(turned(change[:, None], arm)[:, 0], turned(slope, arm))
-            level, slope = _likely_greatest(level, slope, radius)
-        elif self.name == "root_line_change":
-            level = level - _rows(meaning, start, None, torque)[0]
-            lost = np.isnan(level) & np.isfinite(_rows(meaning, start, None, torque)[0])
-            level, slope = _both_signs(np.where(lost, LOST_TIP, level), slope)
-            level, slope = _likely_greatest(level, slope, radius)
-        elif meaning.kind == "norm":
+        if self.name in ("ease_off_change", "root_line_change"):
+            before, _ = _rows(meaning, start, None, torque)
+            level = level - before
+            if self.name == "ease_off_change":
+                arm = ordered(start, "lever_arm", "lengthwise", "profile").ravel()
+                level, slope = turned(level[:, None], arm)[:, 0], turned(slope, arm)
+            else:
+                level = np.where(np.isnan(level) & np.isfinite(before), LOST_TIP, level)
+            level, slope = np.concatenate([level, -level]), np.concatenate([slope, -slope])
+        if meaning.kind == "norm":
             order = int(self.name.rpartition("_")[2])
             level, slope = _fourier(level[:, None], order)[:, 0], _fourier(slope, order)
         elif meaning.kind == "greatest":
@@ -207,10 +202,6 @@ def turned(change: Array, arm: Array) -> Array:
     weight = np.sum(lever**2, axis=0)
     turn = np.sum(lever * known_change, axis=0) / np.where(weight > 0.0, weight, 1.0)
     return np.asarray(known_change - lever * turn)
-
-
-def _both_signs(level: Array, slope: Array) -> tuple[Array, Array]:
-    return np.concatenate([level, -level]), np.concatenate([slope, -slope])
 
 
 def _fourier(rows: Array, order: int) -> Array:
@@ -298,6 +289,10 @@ class Load:
     torque: int
 
 
+#: What reads a quantity at a load.
+Read = Callable[[ContactQuantity, Load], Composite]
+
+
 @dataclass(frozen=True, eq=False)
 class Reading:
     """Values of one side and assembly, with derivatives by the settings in micrometres of ease-off."""
@@ -381,15 +376,13 @@ class Aim:
         flanks = [flank for flank in self.flanks if quantity.flank in (None, flank)]
         torques = [n for n, torque in enumerate(self.torques) if quantity.torque in (None, torque)]
         torques = torques if quantity.meaning.over_torque else torques[:1]
-        return [
-            Load(flank, number, torque) for flank in flanks for number in range(self.assemblies) for torque in torques
-        ]
+        return [Load(*place) for place in itertools.product(flanks, range(self.assemblies), torques)]
 
-    def values(self, quantity: ContactQuantity, read: Callable[[ContactQuantity, Load], Composite]) -> Array:
+    def values(self, quantity: ContactQuantity, read: Read) -> Array:
         """Values of a quantity at all its loads."""
         return np.array([read(quantity, load).value() for load in self.loads(quantity)])
 
-    def references(self, read: Callable[[ContactQuantity, Load], Composite]) -> list[Reference]:
+    def references(self, read: Read) -> list[Reference]:
         """By objective its values at the start by side and torque, of the worst assembly."""
         references = []
         for one in self.objectives:
@@ -410,22 +403,14 @@ class Judgement:
     #: on a front: objective by number, limit over its reference (not minimised then)
     ceilings: tuple[tuple[int, float], ...] = ()
 
-    def composites(
-        self, read: Callable[[ContactQuantity, Load], Composite]
-    ) -> tuple[tuple[tuple[Composite, ...], ...], tuple[tuple[Composite, ...], ...]]:
+    def composites(self, read: Read) -> tuple[tuple[tuple[Composite, ...], ...], tuple[tuple[Composite, ...], ...]]:
         """Objectives over their references, and limits over themselves."""
         aim = self.aim
-        ratios = tuple(
-            tuple(
-                read(one.quantity, load).scaled(1.0 / reference[load.flank, load.torque])
-                for load in aim.loads(one.quantity)
-            )
-            for one, reference in zip(aim.objectives, self.references, strict=True)
-        )
-        limits = [
-            tuple(limit.normed(read(limit.quantity, load)) for load in aim.loads(limit.quantity))
-            for limit in aim.limits
-        ]
+        ratios = []
+        for one, reference in zip(aim.objectives, self.references, strict=True):
+            scales = [(load, 1.0 / reference[load.flank, load.torque]) for load in aim.loads(one.quantity)]
+            ratios.append(tuple(read(one.quantity, load).scaled(scale) for load, scale in scales))
+        limits = [tuple(one.normed(read(one.quantity, load)) for load in aim.loads(one.quantity)) for one in aim.limits]
         bounded = [(number, ceiling) for number, ceiling in self.ceilings if np.isfinite(ceiling)]
         limits += [tuple(c.scaled(1.0 / ceiling) for c in ratios[number]) for number, ceiling in bounded]
         ceiled = {number for number, _ in self.ceilings}
@@ -438,14 +423,14 @@ class Judgement:
         ceiled = {number for number, _ in self.ceilings}
         return np.array([w for number, w in enumerate(self.aim.weights) if number not in ceiled])
 
-    def merit(self, read: Callable[[ContactQuantity, Load], Composite]) -> Merit:
+    def merit(self, read: Read) -> Merit:
         """Objective and violation that values reach."""
         ratios, limits = self.composites(read)
         values = [np.array([c.value() for c in one]) for one in ratios]
         passed = [max(0.0, max(c.value() for c in one) - 1.0) for one in limits]
         return Merit(judged_objective(values, self.weights, self.aim.form), float(sum(passed)))
 
-    def by_assembly(self, read: Callable[[ContactQuantity, Load], Composite]) -> tuple[Array, Array]:
+    def by_assembly(self, read: Read) -> tuple[Array, Array]:
         """Greatest ratio of every objective, and the worst value of every limit's quantity, by assembly (k, a)."""
         aim = self.aim
         ratios = np.full((len(aim.objectives), aim.assemblies), -np.inf)
@@ -460,7 +445,7 @@ class Judgement:
             np.maximum.at(limited[row], places, signs[row] * aim.values(limit.quantity, read))
         return ratios, signs[:, None] * limited
 
-    def worst(self, read: Callable[[ContactQuantity, Load], Composite]) -> tuple[Array, Array, Array]:
+    def worst(self, read: Read) -> tuple[Array, Array, Array]:
         """Of all loads: greatest ratio and greatest value of every objective, worst value of every limit's quantity."""
         ratios, limited = self.by_assembly(read)
         values = [self.aim.values(one.quantity, read).max() for one in self.aim.objectives]

@@ -7,7 +7,6 @@ Distance of the blades' tips from the root cones at toe, middle and heel, with d
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -16,11 +15,10 @@ from functools import cached_property, partial
 import numpy as np
 import xarray as xr
 
-from ....cases.deflections import SYMBOLS, Deflections, with_errors
 from ....cases.schema.case_schema import Case
 from ....core.arrays import RealArray as Array
 from ....core.attributes import ordered
-from ....core.errors import EaseoffError, GeometryError, InputError, suggestion
+from ....core.errors import EaseoffError, GeometryError
 from ....geometry.design.synthesis import RootLine
 from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName, GearPair, Member
@@ -28,70 +26,10 @@ from ....geometry.pair.near_pair import PairSetting, is_angle
 from ....geometry.tooth.tooth_surface import tooth_surface
 from ...analysis.setting_derivatives import SIDES, SolvedContact
 from ...case_in_mesh import CaseInMesh, prepared_pair
-from ...sweep.axis import Distribution, sample_values
 from .aim import ContactQuantity, EaseOffForm, Judgement, Load, Reading
-from .composite import Composite
 from .free_setting import SettingSpace, pair_setting
-from .step_programme import LocalModel
+from .step_programme import Composite, LocalModel
 from .trust_region import Merit
-
-
-def sampled_assemblies(
-    own: Misalignment, distributions: Mapping[str, Distribution | str], count: int | None, seed: int = 0
-) -> list[Misalignment]:
-    """Assemblies with errors drawn from distributions, the others being those of one assembly.
-
-    Distributions are by ``E``, ``P``, ``G`` or ``Sigma`` [mm, degree], of the error itself; the seed is that of
-    ``sweep``. InputError if samples are given without distributions or the other way round.
-    """
-    chosen = _distributions(distributions)
-    if count is not None and not chosen:
-        raise InputError(f"samples = {count}: must go with a distribution of an assembly error, as E~normal(0,0.03)")
-    if count is None and chosen:
-        raise InputError(f"samples: must be given with the distribution of {', '.join(chosen)}, such as 8")
-    if count is None:
-        return []
-    values = sample_values(chosen, count, seed=seed)
-    return [with_errors(own, {name: float(drawn[number]) for name, drawn in values.items()}) for number in range(count)]
-
-
-def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distribution | str]) -> list[Misalignment]:
-    """Assemblies with every bounded error at its least or greatest value, all of them together; none without bounds.
-
-    A normal distribution has no bounds; its error is left as it is. Samples seldom reach the corners, where most
-    quantities are greatest: without these a worst case over samples says little of others.
-    """
-    chosen = _distributions(distributions)
-    ends = {name: (one.parameters[0], one.parameters[-1]) for name, one in chosen.items() if one.kind != "normal"}
-    if not ends:
-        return []
-    return [with_errors(own, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
-
-
-def _distributions(given: Mapping[str, Distribution | str]) -> dict[str, Distribution]:
-    """Distributions by error, parsed; raises InputError if an error is unknown."""
-    chosen: dict[str, Distribution] = {}
-    for name, one in given.items():
-        if name not in SYMBOLS:
-            raise InputError(
-                f"distribution of {name}: must be of one of {', '.join(SYMBOLS)}{suggestion(name, SYMBOLS)}"
-            )
-        chosen[name] = one if isinstance(one, Distribution) else Distribution.parsed(one)
-    return chosen
-
-
-def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Misalignment]:
-    """The assemblies as given, or InputError if one depends on the torque."""
-    assemblies = []
-    for one in given:
-        if isinstance(one, Deflections):
-            raise InputError(
-                "misalignment: must be the same at all torques for a search of settings; give the assembly of the "
-                "torque that matters"
-            )
-        assemblies.append(one)
-    return assemblies
-
 
 #: Change of the root line that a search may make unless told otherwise, over the height of the flank.
 USUAL_CHANGE_RATIO = 0.01
@@ -153,12 +91,9 @@ class BladeTips:
 
 def usual_root_line_change(pairs: Sequence[GearPair]) -> float:
     """Limit of the change of the root line [mm]: a share of the lower flank's height in its middle."""
-    heights = []
-    for pair in pairs:
-        for member in _both(pair):
-            axial, radial = member.section.points(np.array([0.5, 0.5]), np.array([0.0, 1.0]))
-            heights.append(math.hypot(axial[1] - axial[0], radial[1] - radial[0]))
-    return USUAL_CHANGE_RATIO * min(heights)
+    middles, ends = np.array([0.5, 0.5]), np.array([0.0, 1.0])
+    lines = [member.section.points(middles, ends) for pair in pairs for member in _both(pair)]
+    return USUAL_CHANGE_RATIO * min(math.hypot(z[1] - z[0], radius[1] - radius[0]) for z, radius in lines)
 
 
 Readings = Mapping[tuple[FlankName, int], Reading]
@@ -293,11 +228,8 @@ def _acts(key: str, flank: FlankName) -> bool:
 
 def _times(slopes: xr.Dataset, columns: Array) -> xr.Dataset:
     """Derivatives by the free settings from those by keys."""
-    data = {}
-    for name, variable in slopes.data_vars.items():
-        derivatives = variable.transpose(..., "setting")
-        data[name] = (derivatives.dims, np.nan_to_num(derivatives.values) @ columns.T)
-    return xr.Dataset(data)
+    last = {name: variable.transpose(..., "setting") for name, variable in slopes.data_vars.items()}
+    return xr.Dataset({name: (one.dims, np.nan_to_num(one.values) @ columns.T) for name, one in last.items()})
 
 
 @dataclass(frozen=True, eq=False)
@@ -338,10 +270,8 @@ class AnalysedSettings:
 
     def ease_off_change(self, case: Case) -> float:
         """Greatest change of the ease-off to that of another case, a rotation left out [um]."""
-        changes = [
-            form.missed(prepared_pair(case, flank, self.workshop.assemblies[0]), 0.0 * self.settings)
-            for flank, form in self.forms.items()
-        ]
+        pairs = {flank: prepared_pair(case, flank, self.workshop.assemblies[0]) for flank in self.forms}
+        changes = [form.missed(pairs[flank], 0.0 * self.settings) for flank, form in self.forms.items()]
         return float(np.max(np.abs(np.concatenate(changes))))
 
     def moved(self, step: Array) -> AnalysedSettings:
@@ -360,10 +290,8 @@ class AnalysedSettings:
         """The same with derivatives by differences of analyses alone; ``None`` if it has no others."""
         if all(one.exact is None for one in self.readings.values()):
             return None
-        readings = {
-            key: one if one.exact is None else replace(one, differentiated=None) for key, one in self.readings.items()
-        }
-        return replace(self, readings={**self.readings, **readings})
+        readings = {k: r if r.exact is None else replace(r, differentiated=None) for k, r in self.readings.items()}
+        return replace(self, readings=readings)
 
     def _values(self, settings: Array) -> Array:
         return np.asarray(self.workshop.space.start + self.workshop.units * settings)

@@ -16,17 +16,9 @@ from ....cases.writing import flank_settings
 from ....core.arrays import RealArray as Array
 from ....core.checks import array, shown, words
 from ....core.errors import InputError, suggestion
+from ....geometry.cutting import named_settings
 from ....geometry.cutting.generating_surface import GeneratingSurface
-from ....geometry.cutting.named_settings import (
-    MODIFIED_ROLL_ORDERS,
-    USUAL_RESOLUTION,
-    MachineResolution,
-    get_setting,
-    nearest_multiple,
-    setting_step,
-    step_count,
-    with_settings,
-)
+from ....geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution, get_setting, setting_step
 from ....geometry.design.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
 from ....geometry.deviation.machine_set_up import movable_settings, shares_set_up
 from ....geometry.pair.gear_pair import FlankName, GearPair
@@ -138,7 +130,7 @@ def _usual(pairs: Mapping[FlankName, GearPair], known: Mapping[str, FreeSetting]
         surface = pair.pinion.loaded.designed
         tilted = surface.settings.cutter_tilt != 0.0
         names = [*MACHINE_SETTINGS, *(TILT_SETTINGS if tilted else ())]
-        names += [name for name in MODIFIED_ROLL_ORDERS if get_setting(surface, name) != 0.0]
+        names += [name for name in named_settings.MODIFIED_ROLL_ORDERS if get_setting(surface, name) != 0.0]
         for one in known.values():
             member, _, table, short = one.name.split(".")
             on_flank = f"pinion.{SIDES[flank]['pinion']}.{table}.{short}" in one.moves
@@ -150,8 +142,7 @@ def _usual(pairs: Mapping[FlankName, GearPair], known: Mapping[str, FreeSetting]
 def _along_root(one: FreeSetting, surface: GeneratingSurface) -> FreeSetting:
     """The machine centre with the sliding base that keeps the tip plane of the cutter through the same apex."""
     slope = -math.sin(surface.settings.machine_root_angle)
-    moves = {**one.moves, **{key.replace(CENTRE, BASE): slope for key in one.moves}}
-    return replace(one, moves=moves)
+    return replace(one, moves={**one.moves, **{key.replace(CENTRE, BASE): slope for key in one.moves}})
 
 
 def internal_name(key: str) -> str:
@@ -185,7 +176,7 @@ class SettingSpace:
 
     def __post_init__(self) -> None:
         for one, step in zip(self.free, self.steps.tolist(), strict=True):
-            if step_count(one.start, step, one.low, one.high) is None:
+            if named_settings.step_count(one.start, step, one.low, one.high) is None:
                 raise InputError(
                     f"limits of {one.name} = {one.low:.10g}:{one.high:.10g}: must hold a multiple of the machine's "
                     f"step, {step:g} [{one.units}]: give wider limits, more --move or a finer --resolution"
@@ -209,7 +200,7 @@ class SettingSpace:
     def nearest(self, values: Array) -> Array:
         """The nearest values (n) that can be set, within the limits."""
         each = zip(values.tolist(), self.steps.tolist(), self.free, strict=True)
-        return np.array([nearest_multiple(value, step, one.low, one.high) for value, step, one in each])
+        return np.array([named_settings.nearest_multiple(value, step, one.low, one.high) for value, step, one in each])
 
     def case_at(self, values: Array, *, rounded: bool = False) -> Case:
         """The case with other values (n) of the free settings, ``rounded`` on request; InputError if out of range."""
@@ -239,7 +230,7 @@ class SettingSpace:
             factor = math.radians(1.0) if is_angle(pair_setting(key)) else 1.0
             value = get_setting(surface, name) + factor * step
             values[name] = setting_step(name, self.resolution).rounded(value) if rounded else value
-        return with_settings(surface, values)
+        return named_settings.with_settings(surface, values)
 
     def values_of(self, case: Case) -> Array:
         """Values (n) of the free settings in a case, in the units of the case file."""

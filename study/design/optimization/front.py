@@ -145,9 +145,8 @@ def front(
         gap = int(np.argmax(gaps))
         searching.name(f"point {len(points) + 1} of {count}")
         under = replace(judgement, ceilings=((1, float(ceilings[gap])),))
-        one = next(
-            (one for one in _attempts(searching, judgement, under, points[gap : gap + 2]) if new(one, ratios)), None
-        )
+        attempts = _attempts(searching, judgement, under, points[gap : gap + 2])
+        one = next((one for one in attempts if new(one, ratios)), None)
         if one is None:
             spent.append(float(ceilings[gap]))  # nothing new there
         else:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -13,27 +14,23 @@ import xarray as xr
 
 from ....cases.conversion import misalignment as case_misalignment
 from ....cases.deflection_table import MisalignmentSource, misalignments_of
+from ....cases.deflections import SYMBOLS, Deflections, with_errors
 from ....cases.schema.case_schema import Case
 from ....cases.writing import case_toml
 from ....core.attributes import labelled
 from ....core.checks import array, instance, number, one_of, shown, whole, words
-from ....core.errors import EaseoffError, InputError
+from ....core.errors import EaseoffError, InputError, suggestion
 from ....geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution
+from ....geometry.pair.assembly import Misalignment
 from ....geometry.pair.gear_pair import FlankName, GearPair
 from ...analysis.case_analysis import analyze
 from ...analysis.contact_analysis import case_torques
 from ...analysis.operating import operation_of
 from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
 from ...progress import shows_progress, told
-from ...sweep.axis import Distribution
+from ...sweep.axis import Distribution, sample_values
 from .aim import NEEDED, Aim, ContactQuantity, Judgement, Objective, QuantityLimit
-from .analysed_settings import (
-    Workshop,
-    constant_assemblies,
-    corner_assemblies,
-    sampled_assemblies,
-    usual_root_line_change,
-)
+from .analysed_settings import Workshop, usual_root_line_change
 from .free_setting import SettingSpace, free_settings, with_limits
 from .front import FRONT_TOLERANCE, best_of, front, front_points, front_record, require_same_search, search_record
 from .setting_search import Outcome, SettingSearch, first_workshop
@@ -148,9 +145,8 @@ def optimize(
     """
     checked = checked_case(case)
     one_of("form", form, FORMS)
-    sides: tuple[FlankName, ...] = (
-        get_args(FlankName) if one_of("flank", flank, get_args(Flanks)) == "both" else (flank,)
-    )
+    one_of("flank", flank, get_args(Flanks))
+    sides: tuple[FlankName, ...] = get_args(FlankName) if flank == "both" else (flank,)
     instance("spread", spread, Mapping | None)
     instance("limit_settings", limit_settings, Mapping | None)
     instance("resolution", resolution, MachineResolution | None)
@@ -165,14 +161,8 @@ def optimize(
     corners = corner_assemblies(case_assembly, distributions) if form == "worst" else []
     assemblies = [case_assembly, *given, *corners, *drawn]
     pairs = [prepared_pair(checked, side, assemblies[0]) for side in sides]
-    aim = Aim(
-        _objectives(minimize, weights),
-        _limits(limits, pairs),
-        form,
-        tuple(load.tolist()),
-        sides,
-        len(assemblies),
-    )
+    objectives, quantity_limits = _objectives(minimize, weights), _limits(limits, pairs)
+    aim = Aim(objectives, quantity_limits, form, tuple(load.tolist()), sides, len(assemblies))
     count = _point_count(aim, points, weights)
     _require_known(aim, checked)
     losses = any(one.name == "mean_power_loss" for one in aim.quantities)
@@ -268,6 +258,61 @@ def _limits(texts: Sequence[str], pairs: Sequence[GearPair]) -> tuple[QuantityLi
     return (*given, QuantityLimit(ContactQuantity("root_line_change"), usual_root_line_change(pairs)))
 
 
+def sampled_assemblies(
+    own: Misalignment, distributions: Mapping[str, Distribution | str], count: int | None, seed: int = 0
+) -> list[Misalignment]:
+    """Assemblies with errors drawn from distributions, the others being those of one assembly.
+
+    Distributions are by ``E``, ``P``, ``G`` or ``Sigma`` [mm, degree], of the error itself; the seed is that of
+    ``sweep``. InputError if samples are given without distributions or the other way round.
+    """
+    chosen = _distributions(distributions)
+    if count is not None and not chosen:
+        raise InputError(f"samples = {count}: must go with a distribution of an assembly error, as E~normal(0,0.03)")
+    if count is None and chosen:
+        raise InputError(f"samples: must be given with the distribution of {', '.join(chosen)}, such as 8")
+    if count is None:
+        return []
+    values = sample_values(chosen, count, seed=seed)
+    return [with_errors(own, {name: float(drawn[number]) for name, drawn in values.items()}) for number in range(count)]
+
+
+def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distribution | str]) -> list[Misalignment]:
+    """Assemblies with every bounded error at its least or greatest value, all of them together; none without bounds.
+
+    A normal distribution has no bounds; its error is left as it is. Samples seldom reach the corners, where most
+    quantities are greatest: without these a worst case over samples says little of others.
+    """
+    chosen = _distributions(distributions)
+    ends = {name: (one.parameters[0], one.parameters[-1]) for name, one in chosen.items() if one.kind != "normal"}
+    if not ends:
+        return []
+    return [with_errors(own, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
+
+
+def _distributions(given: Mapping[str, Distribution | str]) -> dict[str, Distribution]:
+    """Distributions by error, parsed; raises InputError if an error is unknown."""
+    chosen: dict[str, Distribution] = {}
+    for name, one in given.items():
+        if name not in SYMBOLS:
+            raise InputError(
+                f"distribution of {name}: must be of one of {', '.join(SYMBOLS)}{suggestion(name, SYMBOLS)}"
+            )
+        chosen[name] = one if isinstance(one, Distribution) else Distribution.parsed(one)
+    return chosen
+
+
+def constant_assemblies(given: Sequence[Misalignment | Deflections]) -> list[Misalignment]:
+    """The assemblies as given, or InputError if one depends on the torque."""
+    assemblies = [one for one in given if isinstance(one, Misalignment)]
+    if len(assemblies) < len(given):
+        raise InputError(
+            "misalignment: must be the same at all torques for a search of settings; give the assembly of the torque "
+            "that matters"
+        )
+    return assemblies
+
+
 def _fresh_samples(
     outcome: Outcome, judgement: Judgement, spread: Mapping[str, Distribution | str], samples: int | None, seed: int
 ) -> xr.Dataset:
@@ -284,12 +329,8 @@ def _fresh_samples(
         with suppress(EaseoffError):
             fresh = replace(point, readings=workshop.readings(outcome.case), start=start, workshop=workshop)
             ratios[:, [sample]], limited[:, [sample]] = judgement.by_assembly(fresh.read)
-    return labelled(
-        xr.Dataset(
-            {
-                "sample_ratio": (("objective", "sample"), ratios),
-                "sample_limited": (("quantity_limit", "sample"), limited),
-            },
-            coords={"sample": np.arange(len(drawn))},
-        )
-    )
+    data = {
+        "sample_ratio": (("objective", "sample"), ratios),
+        "sample_limited": (("quantity_limit", "sample"), limited),
+    }
+    return labelled(xr.Dataset(data, coords={"sample": np.arange(len(drawn))}))

@@ -15,17 +15,10 @@ import numpy as np
 from ....cases.schema.case_schema import Case
 from ....core.arrays import RealArray as Array, record
 from ....core.errors import EaseoffError
+from . import step_programme
 from .aim import EaseOffForm, Judgement
 from .analysed_settings import AnalysedSettings, Readings, Workshop, in_units
-from .step_programme import (
-    LIMIT_MARGIN,
-    SINGLE_REACH,
-    VIOLATION_PRICE,
-    LocalModel,
-    StepAnswer,
-    StepProgramme,
-    judged_objective,
-)
+from .step_programme import LocalModel, StepAnswer, StepProgramme
 from .trust_region import FIRST_RADIUS, LATER_RADIUS, USUAL_TOLERANCE, Ending, Search, Step, Tolerance, search
 
 #: The most searches, each with teeth built anew.
@@ -204,14 +197,15 @@ def _rounded_settings(point: AnalysedSettings) -> Array:
     def reach(values: Array) -> float:
         """Change of the ease-off [um]; that by one setting alone counts as in a programme."""
         step = (values - point.values) / units
-        return float(max(np.abs(model.reach @ step).max(), np.abs(step).max() / SINGLE_REACH))
+        return float(max(np.abs(model.reach @ step).max(), np.abs(step).max() / step_programme.SINGLE_REACH))
 
     def merit(values: Array) -> float:
         step = (values - point.values) / units
         ratios = [np.array([one.value(step) for one in group]) for group in model.objectives]
-        passed = [max(one.value(step) for one in group) - 1.0 + 0.5 * LIMIT_MARGIN for group in model.limits]
-        price = VIOLATION_PRICE * sum(max(0.0, excess) for excess in passed)
-        return judged_objective(ratios, judgement.weights, judgement.aim.form) + price
+        margin = 0.5 * step_programme.LIMIT_MARGIN
+        passed = [max(one.value(step) for one in group) - 1.0 + margin for group in model.limits]
+        price = step_programme.VIOLATION_PRICE * sum(max(0.0, excess) for excess in passed)
+        return step_programme.judged_objective(ratios, judgement.weights, judgement.aim.form) + price
 
     best = space.nearest(point.values)
     least, most = merit(best), max(reach(best), ROUNDING_REACH)

@@ -2,20 +2,27 @@
 
 Limits may be passed at a price, so that the programme always has an answer. It is compiled once for rows of one shape;
 rows, derivatives, bounds and trust region are its parameters.
+
+Composites are convex functions of affine rows: what an analysis yields as its outputs change with the settings to first
+order. A peak to peak is the range of the transmission errors of all mesh positions, a greatest pressure the greatest of
+the pressures of all segments, a harmonic the norm of its two parts. Made affine is what stands inside, not the
+function: the model keeps the corners that a derivative of the whole would cut.
 """
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal, get_args
 
 import numpy as np
 
-from ....core.arrays import RealArray as Array
-from .composite import Composite
+from ....core.arrays import RealArray as Array, record
+from ....core.checks import one_of
 
+Kind = Literal["affine", "greatest", "range", "norm"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 Form = Literal["weighted", "worst", "pareto"]
 FORMS: tuple[Form, ...] = get_args(Form)
 
@@ -25,6 +32,48 @@ VIOLATION_PRICE = 10.0
 LIMIT_MARGIN = 2e-3
 #: Largest change of the ease-off by one setting alone, over the largest one by all together.
 SINGLE_REACH = 20.0
+
+
+@record(frozen=True, eq=False)
+class Composite:
+    """Function of affine rows (m): the only, the greatest, greatest less least, or root of the sum of squares."""
+
+    kind: Kind
+    level: Array
+    slope: Array  # (m, n) by the settings
+
+    def __post_init__(self) -> None:
+        one_of("kind", self.kind, KINDS)
+
+    def value(self, step: Array | None = None) -> float:
+        """Value after a step (n) of the settings; at the present ones without."""
+        rows = self.level if step is None else self.level + self.slope @ step
+        if self.kind == "norm":
+            return float(np.sqrt(np.sum(rows**2)))
+        return float(rows.max() - rows.min()) if self.kind == "range" else float(rows.max())
+
+    def rise(self, change: Array | float) -> float:
+        """Its usual rise if the settings change independently by so much each (n): root sum of squares of every row."""
+        spread = np.linalg.norm(self.slope * change, axis=1)
+        if self.kind == "norm":
+            return float(np.linalg.norm(spread))
+        top = float((self.level + spread).max() - self.level.max())
+        return top + float(self.level.min() - (self.level - spread).min()) if self.kind == "range" else top
+
+    def scaled(self, factor: float, added: float = 0.0) -> Composite:
+        """The same times a positive factor; of an affine one also with a number added, and of either sign."""
+        return replace(self, level=factor * self.level + added, slope=factor * self.slope)
+
+    def per(self, units: Array) -> Composite:
+        """The same with its settings (n) in other units, of so much of the present ones each."""
+        return replace(self, slope=self.slope * units)
+
+    def expression(self, cvxpy: Any, level: Any, slope: Any, step: Any) -> Any:
+        """The same in words of CVXPY, of rows and derivatives that may be parameters."""
+        rows = level + slope @ step
+        if self.kind == "norm":
+            return cvxpy.norm(rows)
+        return cvxpy.max(rows) - cvxpy.min(rows) if self.kind == "range" else cvxpy.max(rows)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,10 +159,7 @@ class StepProgramme:
         self._goal = cvxpy.sum(cvxpy.hstack(terms)) if form == "weighted" else worst
         self._margins = cvxpy.Parameter(max(1, len(model.limits)))
         self._kept = [
-            [
-                self._function(composite) <= 1.0 - self._margins[number] + self._violation[number]
-                for composite in composites
-            ]
+            [self._function(one) <= 1.0 - self._margins[number] + self._violation[number] for one in composites]
             for number, composites in enumerate(model.limits)
         ]
         self._reach = cvxpy.Parameter(model.reach.shape)
@@ -148,13 +194,12 @@ class StepProgramme:
                 return _no_answer(str(error), model)
         if self._step.value is None:
             return _no_answer(str(self._problem.status), model)
-        violation = float(np.sum(self._violation.value))
         multipliers = [float(sum(np.sum(one.dual_value) for one in kept)) for kept in self._kept]
         return StepAnswer(
             str(self._problem.status),
             radius * np.asarray(self._step.value, dtype=np.float64),
             float(self._goal.value),
-            violation,
+            float(np.sum(self._violation.value)),
             np.array(multipliers),
             np.asarray(self._above.dual_value) / radius,
             np.asarray(self._below.dual_value) / radius,

@@ -18,10 +18,9 @@ from easeoff.contact.solvers import Status
 from easeoff.geometry import Misalignment
 from easeoff.geometry.cutting.named_settings import MachineResolution
 from easeoff.study.case_in_mesh import CaseInMesh
-from easeoff.study.design.optimization.analysed_settings import sampled_assemblies
-from easeoff.study.design.optimization.composite import Composite
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings
-from easeoff.study.design.optimization.step_programme import LocalModel, StepProgramme
+from easeoff.study.design.optimization.setting_optimization import sampled_assemblies
+from easeoff.study.design.optimization.step_programme import Composite, LocalModel, StepProgramme
 from easeoff.study.design.optimization.trust_region import GAIN_TOLERANCE
 
 RADIAL, ROLL = "pinion.concave.machine.radial_distance", "pinion.concave.machine.ratio_of_roll"

@@ -41,11 +41,10 @@ from easeoff.study.design.optimization.analysed_settings import (
     Workshop,
     blade_tip_gaps,
     blade_tip_slopes,
-    corner_assemblies,
-    sampled_assemblies,
     usual_root_line_change,
 )
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings, with_limits
+from easeoff.study.design.optimization.setting_optimization import corner_assemblies, sampled_assemblies
 from easeoff.study.design.optimization.setting_search import SettingSearch, first_workshop
 from easeoff.study.summary.correction_report import setting_report
 

@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog, minimize
 
 from easeoff import GeometryError
-from easeoff.study.design.optimization.composite import Composite
 from easeoff.study.design.optimization.step_programme import (
     LIMIT_MARGIN,
     SINGLE_REACH,
     VIOLATION_PRICE,
+    Composite,
     Form,
     LocalModel,
     StepProgramme,
