@@ -165,7 +165,7 @@ def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options:
     the report: the exit code is 0. An interrupted comparison resumes where it stopped.
     """
     from ..compare import compare as run_comparison
-    from ..compare.test_set import write_test_set
+    from ..compare.problem_export import write_test_set
     from ..report.comparison_report import waiting_note
     from ..report.written_comparison import is_of_another_study, write_comparison
 

@@ -20,24 +20,8 @@ from ...core.checkpoint import Checkpoint, digest
 from ...core.checks import array, file_path, instance, number, one_of, truth, whole, words
 from ...core.errors import InputError
 from ...core.output_file import check_folder
-from .attempt import (
-    COLD,
-    CRASHED,
-    HEADLINE,
-    POLISHED,
-    RAW,
-    STARTING_SOLVERS,
-    SWEEP,
-    TIME_LIMIT,
-    WARM,
-    Attempt,
-    Method,
-    PosedProblem,
-    Request,
-    has_tolerance,
-    load_factor,
-    posed_problems,
-)
+from . import attempt as attempting
+from .attempt import COLD, HEADLINE, WARM, Attempt, Method, PosedProblem, Request
 from .comparison_table import Row, comparison_table
 from .method_statistics import TIMES, WALL
 from .worker import Worker, launched, machine, solver_version, workers
@@ -81,7 +65,6 @@ class Cell:
 
     def key(self, choice: Choice, made_with: dict[str, str], version: str) -> str:
         """Return the key of the outcome: other for whatever it depends on."""
-        values: dict[str, Any] = asdict(self.method)
         return digest(
             problem=self.posed.digest,
             before=self.posed.before_digest if self.method.start == WARM else "",
@@ -89,7 +72,7 @@ class Cell:
             repetitions=choice.repetitions,
             time_limit=choice.time_limit,
             machine=made_with,
-            **values,
+            **asdict(self.method),
         )
 
 
@@ -116,12 +99,11 @@ def methods_of(solver: str, choice: Choice, *, warm: bool = False) -> Iterator[M
     if solver == "native":
         return
     if choice.polish:
-        yield Method(solver, POLISHED)
+        yield Method(solver, attempting.POLISHED)
     if choice.raw:
-        yield Method(solver, RAW)
-    if has_tolerance(solver):
-        for tolerance in choice.tolerances:
-            yield Method(solver, SWEEP, COLD, tolerance)
+        yield Method(solver, attempting.RAW)
+    if attempting.has_tolerance(solver):
+        yield from (Method(solver, attempting.SWEEP, COLD, tolerance) for tolerance in choice.tolerances)
 
 
 #: Checkpoint in the output folder, and the study it names.
@@ -222,10 +204,9 @@ def compare(
     with workers(chosen, threads) as pool:
         # A function that does not exist comes to light at once.
         started = launched(pool, (solver for solver in chosen if solver not in SOLVERS))
-        starting = {solver: solver in STARTING_SOLVERS or pool[solver].takes_start for solver in chosen}
-        planned = [
-            (cell, cell.key(choice, made_with, versions[cell.method.solver])) for cell in cells(posed, starting, choice)
-        ]
+        starting = {solver: solver in attempting.STARTING_SOLVERS or pool[solver].takes_start for solver in chosen}
+        chosen_cells = list(cells(posed, starting, choice))
+        planned = [(cell, cell.key(choice, made_with, versions[cell.method.solver])) for cell in chosen_cells]
         needed = {cell.method.solver for cell, key in planned if checkpoint.get(key) is None}
         launched(pool, needed - started)  # nothing is measured while others load
         for done, (cell, key) in enumerate(planned, start=1):
@@ -254,7 +235,7 @@ def _posed(paths: Sequence[str | os.PathLike[str]]) -> list[PosedProblem]:
     names = [path.name for path in given]
     # Two files of the same name are told apart by their folders.
     shown = [path.name if names.count(path.name) == 1 else str(path) for path in given]
-    posed = [item for path, name in zip(given, shown, strict=True) for item in posed_problems(path, name)]
+    posed = [item for path, name in zip(given, shown, strict=True) for item in attempting.posed_problems(path, name)]
     if not posed:
         raise InputError("paths = []: must name at least one file of contact problems")
     return posed
@@ -264,27 +245,24 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
     """Names of the solvers to compare, each once, known and installed."""
     if solvers is None:
         return available_solvers()
-    solvers = words("solvers", solvers)
-    if not [name for name in solvers if name.strip()]:
+    given = [name.strip() for name in words("solvers", solvers) if name.strip()]
+    if not given:
         raise InputError(f"solvers = []: must name at least one of {', '.join(available_solvers())}")
-    names = []
-    for name in dict.fromkeys(name.strip() for name in solvers if name.strip()):
-        # A solver of one's own is imported in its process alone: there it may hang or crash.
-        custom_solver = declares_place(name) or name in entry_point_names()
-        names.append(name if custom_solver else require_solver(name))
-    return list(dict.fromkeys(names))
+    # A solver of one's own is imported in its process alone: there it may hang or crash.
+    own = {name for name in given if declares_place(name) or name in entry_point_names()}
+    return list(dict.fromkeys(name if name in own else require_solver(name) for name in given))
 
 
 def measure(worker: Worker, cell: Cell, choice: Choice) -> list[Attempt]:
     """Attempts at one problem by one method, each with other data; a crash or a time-out is not repeated."""
     attempts: list[Attempt] = []
     for repetition in range(1, choice.repetitions + 1):
-        factor = load_factor(cell.method, repetition, cell.posed.number)
+        factor = attempting.load_factor(cell.method, repetition, cell.posed.number)
         posed = cell.posed.varied(factor)
         attempt = worker.run(Request(posed.problem, cell.method, choice.time_limit, posed.start(cell.method)))
         reference = float(posed.reference.elastic_rotation)
         attempts.append(replace(attempt, load_factor=factor, reference_rotation=reference))
-        if attempt.claim in (CRASHED, TIME_LIMIT):
+        if attempt.claim in (attempting.CRASHED, attempting.TIME_LIMIT):
             break
     return attempts
 

@@ -300,7 +300,7 @@ def sweep_points(dataset: xr.Dataset) -> list[SweepPoint]:
                 len(solver_runs),
                 int(solver_runs["claims"].sum()),
                 int(solver_runs["missed"].sum()),
-                _median(worst),
+                float(_medians(worst[np.newaxis])[0]),
                 float(worst.max()),
                 float(solver_runs["posed"].max()),
                 float(np.median(ended)) if ended.size else np.inf,
@@ -328,7 +328,3 @@ def _runs(dataset: xr.Dataset) -> Any:
 def _medians(values: Array) -> Array:
     """Medians of rows (m, n); the upper one of two, so that an infinite half is infinite."""
     return np.sort(values, axis=1)[:, values.shape[1] // 2]
-
-
-def _median(values: Array) -> float:
-    return float(_medians(values[np.newaxis])[0])

@@ -1,15 +1,25 @@
-"""Files of contact problems that the commands write, those of qpbenchmark among them."""
+"""Files of contact problems that the commands write, test sets of qpbenchmark among them.
+
+A test set there is a Python file with a subclass of ``qpbenchmark.TestSet``, and here a folder ``data`` of files that
+``qpsolvers.Problem.load`` reads, as in its set of model predictive control (github.com/qpsolvers/mpc_qpbenchmark). A
+table ``problems.csv`` beside it says what each problem is, and the objective and rotation of its reference solution.
+"""
 
 from __future__ import annotations
 
+import csv
 import os
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
+import numpy as np
+
+from ...contact.problem.contact_problem import ContactProblem
 from ...contact.problem.exchange.problem_file import ProblemSet
 from ...contact.problem.exchange.problem_formats import FORMATS, export_problems, import_problems, output_format
 from ...core.errors import InputError
-from ...core.output_file import check_folder, check_writable
-from .test_set import write_test_set
+from ...core.output_file import check_folder, check_writable, whole_file
 
 TEST_SET = "qpbenchmark"
 #: Suffixes by which a file is one of contact problems.
@@ -51,3 +61,136 @@ def convert_problems(source: Path, output: Path, format: str | None, form: str |
     """Convert a file or folder of contact problems and describe in one line what was written."""
     check_problem_output(output, format, form, source)
     return write_problem_set(import_problems(source), output, format, form)
+
+
+SCRIPT = "contact_qpbenchmark.py"
+TABLE = "problems.csv"
+
+_TEXT = '''"""Contact problems of gear teeth as a test set of qpbenchmark; made by easeoff.
+
+    python contact_qpbenchmark.py run
+
+Each problem: minimise 1/2 F'C F + S'F subject to r'F = T, F >= 0, in scaled numbers, all of order one. What each is,
+and its reference solution, is in problems.csv. qpbenchmark asks for the author of the report, which fails without a
+terminal: here it is "unknown" unless given as --author NAME.
+"""
+
+import csv
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import qpbenchmark
+from qpbenchmark.benchmark import main
+
+HERE = Path(__file__).resolve().parent
+
+
+class ContactQpbenchmark(qpbenchmark.TestSet):
+    """Contact problems of gear teeth."""
+
+    @property
+    def title(self) -> str:
+        """Title of the report."""
+        return "Contact problems of gear teeth"
+
+    @property
+    def description(self) -> str:
+        """Description of the problems."""
+        return "Load distribution over the contact lines of gear teeth: dense, one equality, lower bounds."
+
+    @property
+    def sparse_only(self) -> bool:
+        """The matrices are dense."""
+        return False
+
+    def define_tolerances(self) -> None:
+        """Limits on residuals and run time, by settings."""
+        levels = {"default": 1.0, "low_accuracy": 1e-3, "mid_accuracy": 1e-6, "high_accuracy": 1e-9}
+        self.tolerances = {
+            name: qpbenchmark.Tolerance(primal=limit, dual=limit, gap=limit, runtime=TIME_LIMIT)
+            for name, limit in levels.items()
+        }
+
+    def __iter__(self) -> Iterator[qpbenchmark.Problem]:
+        """Read the problems, in the order of the table: those of a sequence follow each other."""
+        for row in self.table():
+            yield qpbenchmark.Problem.load(str(HERE / "data" / (row["problem"] + ".npz")))
+
+    @staticmethod
+    def table() -> list[dict[str, str]]:
+        """Rows of problems.csv: name, labels, and the reference solution of the programme."""
+        with (HERE / "problems.csv").open(newline="", encoding="utf-8") as file:
+            return list(csv.DictReader(file))
+
+
+if __name__ == "__main__":
+    if {"run", "report"} & set(sys.argv) and not any(word.startswith("--author") for word in sys.argv):
+        sys.argv += ["--author", "unknown"]
+    main(test_set_path=str(Path(__file__).resolve()), results_path=str(HERE / "results.csv"))
+'''
+
+
+def write_test_set(
+    problems: ProblemSet | Sequence[ContactProblem], folder: str | os.PathLike[str], *, time_limit: float = 10.0
+) -> list[Path]:
+    """Write a test set of qpbenchmark: ``contact_qpbenchmark.py``, ``problems.csv`` and a folder ``data``; its script.
+
+    Problems are scaled, as residuals there are absolute, and have their label ``name``, else ``contact_0000`` and so
+    on. Those of an earlier test set in the folder are removed. Tolerances there allow the time limit [s].
+    """
+    given = problems if isinstance(problems, ProblemSet) else ProblemSet(problems)
+    if not given.problems:
+        raise InputError("problems = []: must hold at least one contact problem")
+    target = Path(folder)
+    check_folder(target, "test set")
+    data, table = target / "data", target / TABLE
+    check_writable(data / "contact_0000.npz")
+    earlier = _earlier_problems(table, data)
+    names = given.file_names("contact")
+    written = [data / f"{name}.npz" for name in names]
+    for path, problem in zip(written, given.problems, strict=True):
+        with whole_file(path) as temporary, temporary.open("wb") as file:
+            scaled: Any = problem.as_qp()  # takes an open file too, unlike its type hint
+            scaled.save(file)
+    for old in earlier.difference(written):
+        try:
+            old.unlink(missing_ok=True)
+        except OSError as error:
+            raise InputError(f"{old} cannot be removed: {error.strerror or error}") from error
+    with whole_file(table) as temporary, temporary.open("w", newline="", encoding="utf-8") as text:
+        rows = [_row(given, i, name) for i, name in enumerate(names)]
+        writer = csv.DictWriter(text, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    script = target / SCRIPT
+    with whole_file(script) as temporary:
+        temporary.write_text(_TEXT.replace("TIME_LIMIT", f"{time_limit:g}"), encoding="utf-8")
+    return [script]
+
+
+def _earlier_problems(table: Path, data: Path) -> set[Path]:
+    """Problems of an earlier test set in the folder: those of its table, and those numbered."""
+    problems = set(data.glob("contact_[0-9][0-9][0-9][0-9].npz"))
+    if table.is_file():
+        with table.open(newline="", encoding="utf-8", errors="replace") as file:
+            names = [row.get("problem") or "" for row in csv.DictReader(file)]
+        problems |= {data / f"{name}.npz" for name in names if name and Path(name).name == name}
+    return problems
+
+
+def _row(problems: ProblemSet, i: int, name: str) -> dict[str, Any]:
+    """Row of the table: name, sizes, labels, and the reference solution in the numbers of the programme."""
+    problem, answer = problems.problems[i], problems.answer(i)
+    row: dict[str, Any] = {"problem": name, "unknowns": problem.size}
+    row |= {key: value for key, value in problems.label(i).items() if key != "name"}
+    if answer is None:
+        return row
+    scale, force = problem.scaling, answer.force
+    separation = problem.separation_at_first_contact
+    energy = float(force @ problem.deflection(force)) / 2.0 + float(force @ separation)
+    return row | {
+        "objective": repr(energy / (scale.force * scale.gap)),
+        "rotation": repr(answer.elastic_rotation / scale.rotation),
+        "touching": int(np.count_nonzero(force)),
+    }

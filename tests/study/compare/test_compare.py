@@ -37,7 +37,7 @@ from easeoff.study.compare.attempt import Method, Request, attempt, load_adapter
 from easeoff.study.compare.comparison import CHECKPOINT
 from easeoff.study.compare.comparison_table import RESIDUALS, read_table
 from easeoff.study.compare.method_statistics import by_problem
-from easeoff.study.compare.test_set import write_test_set
+from easeoff.study.compare.problem_export import write_test_set
 from easeoff.study.plot.page import save
 from easeoff.study.report import comparison_figures
 from easeoff.study.report.comparison_figures import draw_growth, draw_performance_profile
