@@ -8,10 +8,4 @@ from .library_entries import Entry, entries
 from .library_files import generate
 from .reference_answers import ReferenceAnswer, reference_answers
 
-__all__ = [
-    "Entry",
-    "ReferenceAnswer",
-    "entries",
-    "generate",
-    "reference_answers",
-]
+__all__ = ["Entry", "ReferenceAnswer", "entries", "generate", "reference_answers"]

@@ -60,19 +60,14 @@ def next_contact(problem: ContactProblem, _: float) -> ContactProblem:
     active = solve(problem, "native").active
     touching = np.flatnonzero(active)
     arm, matrix = problem.lever_arm, problem.dense_compliance
-    bordered = np.block(
-        [
-            [matrix[np.ix_(touching, touching)], -arm[touching, None]],
-            [arm[None, touching], np.zeros((1, 1))],
-        ]
-    )
+    inner, zero = matrix[np.ix_(touching, touching)], np.zeros((1, 1))
+    bordered = np.block([[inner, -arm[touching, None]], [arm[None, touching], zero]])
     rate = np.linalg.solve(bordered, np.r_[np.zeros(touching.size), 1.0])
     now = np.linalg.solve(bordered, np.r_[-problem.separation_at_first_contact[touching], problem.torque])
     force, force_rate = now[:-1], rate[:-1]
     gap = matrix[:, touching] @ force + problem.separation_at_first_contact - now[-1] * arm
     gap_rate = matrix[:, touching] @ force_rate - rate[-1] * arm
-    level = np.where(active, 0.0, gap)
-    slope = np.where(active, 0.0, gap_rate)
+    level, slope = np.where(active, 0.0, gap), np.where(active, 0.0, gap_rate)
     level[touching], slope[touching] = force, force_rate
     falling = slope < 0.0
     if not falling.any():
@@ -164,21 +159,9 @@ def single_segment(problem: ContactProblem, _: float) -> ContactProblem:
 CHANGES: dict[str, Callable[[ContactProblem, float], ContactProblem]] = {
     change.__name__: change
     for change in (
-        zero_separation,
-        tied_separations,
-        next_contact,
-        scaled_torque,
-        remote_segment,
-        shifted_rotation,
-        scaled_local_compliance,
-        twin_segments,
-        copied_segments,
-        copied_tooth_pairs,
-        several_pinions,
-        rigid_segment,
-        rigid_half,
-        no_local_compliance,
-        single_segment,
+        *(zero_separation, tied_separations, next_contact, scaled_torque, remote_segment, shifted_rotation),
+        *(scaled_local_compliance, twin_segments, copied_segments, copied_tooth_pairs, several_pinions),
+        *(rigid_segment, rigid_half, no_local_compliance, single_segment),
     )
 }
 
@@ -278,10 +261,7 @@ class LibraryFile:
 
 @one_blas_thread()
 def write_library(
-    folder: str | os.PathLike[str],
-    parts: Iterable[str] | None = None,
-    *,
-    progress: Callable[[], None] | None = None,
+    folder: str | os.PathLike[str], parts: Iterable[str] | None = None, *, progress: Callable[[], None] | None = None
 ) -> list[LibraryFile]:
     """Make the problems of ``parts``, else ``USUAL_PARTS``, and write them as ``small.nc`` and so on.
 
@@ -305,33 +285,25 @@ def write_part(chosen: Iterable[Entry], path: Path, progress: Callable[[], None]
     answers = reference_answers()
     made: list[tuple[Entry, ContactProblem]] = []
     solutions: list[Answer] = []
-    faults: list[str] = []
-    certificates, differences = [0.0], [0.0]
+    checks: list[tuple[float, float, str]] = [(0.0, 0.0, "")]
     for entry, problem in generate(chosen):
         made.append((entry, problem))
         solution = solve(problem, "native")
         solutions.append(solution.answer)
-        certificate, difference, fault = checked(problem, answers[entry.name], solution)
-        certificates.append(certificate)
-        differences.append(difference)
-        faults += [fault] if fault else []
+        checks.append(checked(problem, answers[entry.name], solution))
         if progress is not None:
             progress()
-    problems = [problem for _, problem in made]
-    write_problems(
-        problems,
-        path,
-        labels([entry for entry, _ in made], answers, problems),
-        {
-            "title": f"easeoff library of contact problems, part {path.stem}",
-            "library_version": LIBRARY_VERSION,
-            "citation": CITATION,
-            "license": "BSD-3-Clause",
-            "checksum": set_checksum([entry.name for entry, _ in made], problems),
-        },
-        answers=solutions,
-    )
-    return LibraryFile(path, len(made), max(certificates), max(differences), tuple(faults))
+    given, problems = [entry for entry, _ in made], [problem for _, problem in made]
+    attributes = {
+        "title": f"easeoff library of contact problems, part {path.stem}",
+        "library_version": LIBRARY_VERSION,
+        "citation": CITATION,
+        "license": "BSD-3-Clause",
+        "checksum": set_checksum([entry.name for entry in given], problems),
+    }
+    write_problems(problems, path, labels(given, answers, problems), attributes, answers=solutions)
+    certificates, differences, faults = zip(*checks, strict=True)
+    return LibraryFile(path, len(made), max(certificates), max(differences), tuple(filter(None, faults)))
 
 
 def checked(

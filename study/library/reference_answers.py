@@ -199,16 +199,16 @@ def condition_of(problem: ContactProblem) -> float:
 
     local, factor = problem.compliance
     core = np.eye(factor.shape[1]) + factor.T @ (factor / local[:, None])
-    forms: tuple[Callable[[Any], Any], ...] = (
-        problem.deflection,
-        lambda x: (x - factor @ np.linalg.solve(core, factor.T @ (x / local))) / local,
-    )
     start = np.cos(np.arange(problem.size))
-    greatest = [
-        float(eigsh(LinearOperator((problem.size,) * 2, form, dtype=np.float64), 1, v0=start, tol=1e-4)[0][0])
-        for form in forms
-    ]
-    return greatest[0] * greatest[1]
+
+    def inverse(right: Any) -> Any:
+        return (right - factor @ np.linalg.solve(core, factor.T @ (right / local))) / local
+
+    def greatest(form: Callable[[Any], Any]) -> float:
+        operator = LinearOperator((problem.size,) * 2, form, dtype=np.float64)
+        return float(eigsh(operator, 1, v0=start, tol=1e-4)[0][0])
+
+    return greatest(problem.deflection) * greatest(inverse)
 
 
 def condition_number(compliance: NDArray[np.float64]) -> float:
