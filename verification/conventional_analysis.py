@@ -150,9 +150,10 @@ def path_of_contact(gear: Flank, ease_off: EaseOff, rotations: Array) -> PointCo
         values, converged = limited_newton(mismatch, values, limit, 1e-10, 30)
         gear_position, _, _ = gear_surface.evaluate(values[:2])
         pinion_position, _, _ = motion.surface.evaluate(values[2:4])
-    found = values[4], values[:2], values[2:4], gear_position, pinion_position
     blank = np.where(converged, 1.0, np.nan)
-    return PointContact(pinion_rotation, *(one * blank for one in found), converged=converged)
+    closing, of_gear, of_pinion = (one * blank for one in (values[4], values[:2], values[2:4]))
+    positions = gear_position * blank, pinion_position * blank
+    return PointContact(pinion_rotation, closing, of_gear, of_pinion, *positions, converged)
 
 
 @record(frozen=True)

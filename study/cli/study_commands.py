@@ -39,7 +39,7 @@ from .shared_options import (
 )
 
 if TYPE_CHECKING:
-    from ...verification.verification_row import VerificationRow
+    from ...verification.verified_pair import VerificationRow
 
 OF_THE_LAW = ("revolutions", "largest_step", "largest_depth", "most_steps")  # options that a ``WearLaw`` takes
 

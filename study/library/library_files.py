@@ -294,7 +294,7 @@ def write_part(chosen: Iterable[Entry], path: Path, progress: Callable[[], None]
         if progress is not None:
             progress()
     given, problems = [entry for entry, _ in made], [problem for _, problem in made]
-    attributes = {
+    attributes: dict[str, str | int | float] = {
         "title": f"easeoff library of contact problems, part {path.stem}",
         "library_version": LIBRARY_VERSION,
         "citation": CITATION,

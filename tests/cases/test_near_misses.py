@@ -36,9 +36,9 @@ from easeoff.study.design.design_check import (
 )
 from easeoff.study.summary.sweep_report import vh_table
 from easeoff.study.vh import write_vh_check
+from easeoff.verification import VerificationRow
 from easeoff.verification.case_verification import closing
 from easeoff.verification.geometry_rows import flank_rows
-from easeoff.verification.verification_row import VerificationRow
 
 
 @pytest.mark.parametrize("text", ["800,400,100", "800.0,100,400", "400, 100.0, 800"])
