@@ -307,14 +307,8 @@ class LubricatedContact:
     @property
     def reynolds_number(self) -> float:
         """The only group of the isoviscous equation in Hertz units, 12 viscosity velocity R^2 / (a^3 p_h) [1]."""
-        return (
-            12.0
-            * self.inlet_viscosity
-            * self.oil.viscosity
-            * self.rolling_velocity
-            * self.equivalent_radius**2
-            / (self.half_width**3 * self.hertz_pressure)
-        )
+        drag = 12.0 * self.inlet_viscosity * self.oil.viscosity * self.rolling_velocity
+        return drag * self.equivalent_radius**2 / (self.half_width**3 * self.hertz_pressure)
 
     def central_film_estimate(self) -> float:
         """Film thickness where the pressure is greatest, by Moes' formula for all regimes of line contacts [m].

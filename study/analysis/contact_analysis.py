@@ -97,13 +97,9 @@ def joined_analysis(parts: Sequence[tuple[Sequence[int], Analysis]], common: Map
 def misalignment_group(misalignments: Sequence[Misalignment], torques: Array, mesh_positions: Array) -> xr.Dataset:
     """The group ``misalignment`` of a result, from that of every torque (t) [N m], alike at all mesh positions (k)."""
     names = ("offset", "pinion_axial", "gear_axial", "shaft_angle")
-    shape = (len(misalignments), len(mesh_positions))
+    columns = {name: np.array([[getattr(one, name)] for one in misalignments]) for name in names}
     data = {
-        name: (
-            ("torque", "mesh_position"),
-            np.broadcast_to(np.array([[getattr(one, name)] for one in misalignments]), shape).copy(),
-        )
-        for name in names
+        name: (("torque", "mesh_position"), np.repeat(v, len(mesh_positions), axis=1)) for name, v in columns.items()
     }
     return labelled(xr.Dataset(data, coords={"torque": torques, "mesh_position": mesh_positions}))
 
@@ -117,18 +113,14 @@ def _joined(parts: list[xr.Dataset], places: list[tuple[int, ...]]) -> xr.Datase
     for name, first in parts[0].variables.items():
         variables = [part.variables[name] for part in parts]
         if name == "pair":
-            data["pair"] = (
-                first.copy(data=pairs) if variables[0].sizes == variables[-1].sizes else xr.Variable("pair", pairs)
-            )
-            data["pair"].attrs = dict(first.attrs)
+            data["pair"] = xr.Variable("pair", pairs, first.attrs)
         elif "torque" in first.dims or "segment" in first.dims:
             # What depends on the segments alone is another thing in every assembly.
             if "torque" not in first.dims:
                 variables = [_repeated(one, len(at)) for one, at in zip(variables, places, strict=True)]
             if "pair" in first.dims and pairs is not None:
-                variables = [
-                    _of_pairs(one, part["pair"].values, pairs) for one, part in zip(variables, parts, strict=True)
-                ]
+                known = [part["pair"].values for part in parts]
+                variables = [_of_pairs(one, at, pairs) for one, at in zip(variables, known, strict=True)]
             if "segment" in first.dims:
                 variables = [_padded(one, segments) for one in variables]
             variables = [one.transpose(*variables[0].dims) for one in variables]
@@ -237,9 +229,8 @@ def in_assembly_under_load(state: CaseInMesh, torques: Sequence[float] | Array) 
     rows = {0.0: list(vars(misalignment_at(state.misalignment, 0.0, state.flank)).values())}
     for places, assembly in state.assemblies(load):
         chosen = load[list(places)]
-        for part in supported_parts(
-            assembly, places, chosen, supports, case_rounds(case), edge_contact=case.contact.edge_contact
-        ):
+        edges = case.contact.edge_contact
+        for part in supported_parts(assembly, places, chosen, supports, case_rounds(case), edge_contact=edges):
             reason = part.groups["supports"].attrs.get("rounds_not_ended", "")
             means = [part.groups["misalignment"][name].mean("mesh_position").values for name in PARTS[:4]]
             if reason or not np.isfinite(means).all():

@@ -100,9 +100,8 @@ def _settings(pair: GearPair, flank: FlankName) -> list[NamedSetting]:
             if setting.acts_on(pair):
                 settings.append(NamedSetting(f"{member}.{side}.{key}", setting, factor))
     for name, error in ERROR_FIELDS.items():
-        settings.append(
-            NamedSetting(name, PairSetting("assembly", error), math.radians(1.0) if name == "Sigma" else 1.0)
-        )
+        factor = math.radians(1.0) if name == "Sigma" else 1.0
+        settings.append(NamedSetting(name, PairSetting("assembly", error), factor))
     return settings
 
 
@@ -111,10 +110,8 @@ def chosen_settings(
 ) -> tuple[list[NamedSetting], list[str]]:
     """Settings of ``derivative_settings``, all or by name, or ``modification.TERM``; and the names asked for."""
     known = {one.name: one for one in _settings(pair, flank)}
-    known |= {
-        f"modification.{term}": NamedSetting(f"modification.{term}", PairSetting("modification", term), 1.0)
-        for term in TERM_POWERS
-    }
+    terms = {f"modification.{term}": PairSetting("modification", term) for term in TERM_POWERS}
+    known |= {name: NamedSetting(name, setting, 1.0) for name, setting in terms.items()}
     wanted = list(derivative_settings(pair, flank)) if names is None else list(words("settings", names))
     for name in wanted:
         if name not in known and name != "torque":
@@ -189,12 +186,9 @@ class SolvedContact:
             values, slopes = (one.merge(other) for one, other in zip((values, slopes), of_loss, strict=True))
         order = [len(chosen) if name == "torque" else [one.name for one in chosen].index(name) for name in names]
         factors = xr.DataArray(np.array([*(one.factor for one in chosen), 1.0])[order], dims="setting")
-        changes = labelled(
-            (slopes.isel(setting=order) * factors).assign_coords(
-                setting=("setting", names),
-                setting_units=("setting", [swept_quantity(name).units for name in names]),
-            )
-        )
+        units = [swept_quantity(name).units for name in names]
+        changes = (slopes.isel(setting=order) * factors).assign_coords(setting=("setting", names))
+        changes = labelled(changes.assign_coords(setting_units=("setting", units)))
         for variable in changes.data_vars.values():
             variable.attrs["units"] += " per setting_units"
             variable.attrs["long_name"] = f"derivative of: {variable.attrs['long_name']}"
@@ -338,16 +332,11 @@ def loss_slopes(
 
     The torque that friction takes is not fed back.
     """
-    from ...friction.efficiency import losses_dataset
-
     inputs = _FrictionInputs.of(found, loaded)
     values = loss_values(found.cycle, loaded, operation, model)
     columns: list[xr.Dataset] = []
     for number, step in enumerate(inputs.steps):
-        ahead, behind = (
-            losses_dataset(inputs.moved(number, sign * step), operation, model)[0][list(OF_LOSS)]
-            for sign in (1.0, -1.0)
-        )
+        ahead, behind = (_losses(inputs.moved(number, sign * step), operation, model) for sign in (1.0, -1.0))
         columns.append((ahead - behind) / (2.0 * step))
     slopes = xr.concat(columns, "setting")
     # Of the small loss, not of a number near one, whose rounding a short step makes large.
@@ -360,10 +349,14 @@ def loss_slopes(
 
 def loss_values(cycle: MeshCycle, loaded: xr.Dataset, operation: Operation, model: FrictionModel) -> xr.Dataset:
     """The values alone; arguments as of ``loss_slopes``."""
+    values = _losses(_contacts(cycle, loaded), operation, model)
+    return labelled(values.assign_coords({"torque": loaded["torque"]}))
+
+
+def _losses(contacts: LoadedContacts, operation: Operation, model: FrictionModel) -> xr.Dataset:
     from ...friction.efficiency import losses_dataset
 
-    values = losses_dataset(_contacts(cycle, loaded), operation, model)[0][list(OF_LOSS)]
-    return labelled(values.assign_coords({"torque": loaded["torque"]}))
+    return losses_dataset(contacts, operation, model)[0][list(OF_LOSS)]
 
 
 def _contacts(cycle: MeshCycle, loaded: xr.Dataset) -> LoadedContacts:
@@ -390,18 +383,12 @@ class _FrictionInputs:
         parts = []
         for one in sorted(found.cases, key=lambda each: (each.case.torque, each.case.mesh_position)):
             segments = one.case.solution.force > 0.0
-            sizes = one.force[segments], one.length[segments], one.equivalent_radius[segments], one.place[:, segments]
-            parts.append((one.case.segments.point[:, segments], *sizes))
-        point, force, length, radius, place = zip(*parts, strict=True)
-        return cls(
-            found,
-            _contacts(found.cycle, loaded),
-            np.concatenate(point, axis=1),
-            np.concatenate(force),
-            np.concatenate(length),
-            np.concatenate(radius),
-            np.concatenate(place, axis=1),
-        )
+            own = one.force[segments], one.length[segments], one.equivalent_radius[segments], one.place[:, segments]
+            parts.append((one.case.segments.point[:, segments], *own))
+        point, *sizes, place = zip(*parts, strict=True)
+        by_segment = (np.concatenate(size) for size in sizes)
+        contacts = _contacts(found.cycle, loaded)
+        return cls(found, contacts, np.concatenate(point, axis=1), *by_segment, np.concatenate(place, axis=1))
 
     @property
     def steps(self) -> Array:
@@ -428,11 +415,9 @@ class _FrictionInputs:
             one = self.found.settings[setting]
             names = ("action_position", "action_normal", "roll_angle")
             changes = {name: step * self.found.nodes[name][..., setting] for name in names}
-            order = ("lengthwise", "profile")
-            ease_off = ease_off.transpose(*order, ...)
-            ease_off = ease_off.assign(
-                {name: ease_off[name].copy(data=ease_off[name].values + c) for name, c in changes.items()}
-            )
+            ease_off = ease_off.transpose("lengthwise", "profile", ...)
+            moved_points = {name: ease_off[name].copy(data=ease_off[name].values + c) for name, c in changes.items()}
+            ease_off = ease_off.assign(moved_points)
             moved = one.moved(geometry.pair, step) if one.of == "assembly" else geometry.pair
             motion = replace(geometry.exact.motion, assembly=moved.assembly)
             origins = {"pinion_origin_mm": motion.assembly.pinion_origin, "gear_origin_mm": motion.assembly.gear_origin}

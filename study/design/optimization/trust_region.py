@@ -164,8 +164,7 @@ def search(
             if trial is None or accepted or fresh.total > best.merit.total + HOPELESS_LOSS:
                 break
             point = trial
-        if accepted:
-            best = trial
+        best = trial if accepted else best
         if not accepted:
             radius *= 0.35
         elif came_true < FAIR_GAIN_RATIO:
