@@ -183,6 +183,7 @@ def contact_of_flanks(
     positive("half_width", half_width, "mm")
     positive("rotation", rotation, "rad")
     positive("cells_per_half_width", cells_per_half_width)
+    gear_torque = 1e3 * torque * flanks.pair.assembly.ratio
     lines = _lines_at(mesh, position, BORROWED_LINE_DISTANCE if beyond_lines else 0.0)
     pitch = flanks.pair.assembly.pinion_pitch
     across = half_width / cells_per_half_width
@@ -209,12 +210,9 @@ def contact_of_flanks(
             allowed *= 2.0
             continue
         cells = list(cells_of_pairs.values())
-        force, solved = solve_surface_contact(
-            [one.separation for one in cells],
-            [one.lever_arm for one in cells],
-            [surface_contact_compliance(one, responses, materials) for one in cells],
-            1e3 * torque * flanks.pair.assembly.ratio,
-        )
+        separation, lever_arm = [one.separation for one in cells], [one.lever_arm for one in cells]
+        compliance = [surface_contact_compliance(one, responses, materials) for one in cells]
+        force, solved = solve_surface_contact(separation, lever_arm, compliance, gear_torque)
         border = np.ceil(band / across)
         touches = any(np.any(f[np.abs(c.row) == border] > 0.0) for f, c in zip(force, cells, strict=True))
         if touches and band < BAND_RATIO_LIMIT * half_width:

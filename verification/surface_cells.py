@@ -138,18 +138,8 @@ def cells_on_line(
 
     station, row = np.indices(shape).reshape(2, -1)[:, chosen]
     along, across_line = (flat(side / length) for side, length in zip(sides, lengths, strict=True))
-    return SurfaceCells(
-        station,
-        row - half,
-        along,
-        across_line,
-        flat(np.stack(lengths)),
-        flat(position),
-        on_gear[:, chosen],
-        on_pinion[:, chosen],
-        gap.gap[chosen],
-        arm[chosen],
-    )
+    places = station, row - half, along, across_line, flat(np.stack(lengths)), flat(position)
+    return SurfaceCells(*places, on_gear[:, chosen], on_pinion[:, chosen], gap.gap[chosen], arm[chosen])
 
 
 def _gap_at(

@@ -272,15 +272,9 @@ def work_precision(dataset: xr.Dataset) -> list[WorkPrecision]:
     result = []
     for solver in dict.fromkeys(runs["solver"]):
         solver_runs = runs[runs["solver"] == solver]
-        best = np.array(
-            [
-                solver_runs["run_time"]
-                .where(solver_runs["worst"] <= accuracy, np.inf)
-                .groupby([solver_runs[c] for c in PROBLEM_COLUMNS])
-                .min()
-                for accuracy in ACCURACIES
-            ]
-        )
+        problems = [solver_runs[column] for column in PROBLEM_COLUMNS]
+        reached = [solver_runs["run_time"].where(solver_runs["worst"] <= a, np.inf) for a in ACCURACIES]
+        best = np.array([run_time.groupby(problems).min() for run_time in reached])
         result.append(WorkPrecision(solver, ACCURACIES, np.isfinite(best).mean(axis=1), _medians(best)))
     return result
 
@@ -293,19 +287,10 @@ def sweep_points(dataset: xr.Dataset) -> list[SweepPoint]:
         ended = solver_runs["run_time"].to_numpy(dtype=float)
         ended = ended[np.isfinite(ended)]
         worst = solver_runs["worst"].to_numpy(dtype=float)
-        result.append(
-            SweepPoint(
-                str(solver),
-                float(tolerance),
-                len(solver_runs),
-                int(solver_runs["claims"].sum()),
-                int(solver_runs["missed"].sum()),
-                float(_medians(worst[np.newaxis])[0]),
-                float(worst.max()),
-                float(solver_runs["posed"].max()),
-                float(np.median(ended)) if ended.size else np.inf,
-            )
-        )
+        numbers = len(solver_runs), int(solver_runs["claims"].sum()), int(solver_runs["missed"].sum())
+        certificates = float(_medians(worst[np.newaxis])[0]), float(worst.max()), float(solver_runs["posed"].max())
+        run_time = float(np.median(ended)) if ended.size else np.inf
+        result.append(SweepPoint(str(solver), float(tolerance), *numbers, *certificates, run_time))
     return result
 
 

@@ -444,12 +444,9 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
 
 
 def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
-    proportions = ToothProportions.of(
-        designed.blank,
-        design.blank_design.cutter_radius,
-        design.blank_design.number_of_blade_groups or 0,
-        generated_gear=design.gear.generation == "generated",
-    )
+    given, generated = design.blank_design, design.gear.generation == "generated"
+    groups = given.number_of_blade_groups or 0
+    proportions = ToothProportions.of(designed.blank, given.cutter_radius, groups, generated_gear=generated)
     with suppress(GeometryError):
         return tooth_spaces(designed.pair("drive"), designed.pair("coast"), proportions)
     return None

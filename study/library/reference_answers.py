@@ -113,15 +113,9 @@ def proved_answer(name: str, problem: ContactProblem) -> ReferenceAnswer:
     scale = solution.force.max(), float(solution.force @ problem.deflection(solution.force)) / solution.force.sum()
     margin = np.maximum(solution.force / scale[0], solution.gap / scale[1]).min()
     determined = math.isfinite(refined) and margin > CONTACT_MARGIN
-    return ReferenceAnswer(
-        name,
-        problem.size,
-        best,
-        int(solution.active.sum()) if determined else -1,
-        condition_of(problem),
-        abs(rotation / refined - 1.0),
-        abs(rotation / pivoted - 1.0),
-    )
+    touching = int(solution.active.sum()) if determined else -1
+    differences = abs(rotation / refined - 1.0), abs(rotation / pivoted - 1.0)
+    return ReferenceAnswer(name, problem.size, best, touching, condition_of(problem), *differences)
 
 
 def refined_rotation(problem: ContactProblem, active: Bools) -> float:

@@ -94,20 +94,11 @@ def front_point(outcome: Outcome, judgement: Judgement) -> FrontPoint:
     point = outcome.point.judged_by(judgement)
     ratio, objective, limited = judgement.worst(point.read)
     ((_, ceiling),) = outcome.point.judgement.ceilings
+    violation = judgement.merit(point.read).violation
     return FrontPoint(
-        outcome.values,
-        outcome.rounded,
-        ratio,
-        objective,
-        limited,
-        outcome.prices,
-        judgement.merit(point.read).violation,
-        ceiling if np.isfinite(ceiling) else np.nan,
-        outcome.ended == "converged",
-        outcome.rounding_change,
-        outcome.rounding_loss,
-        point.workshop.effort.analyses,
-        outcome,
+        *(outcome.values, outcome.rounded, ratio, objective, limited, outcome.prices, violation),
+        *(ceiling if np.isfinite(ceiling) else np.nan, outcome.ended == "converged"),
+        *(outcome.rounding_change, outcome.rounding_loss, point.workshop.effort.analyses, outcome),
     )
 
 

@@ -129,13 +129,9 @@ class SettingSearch:
         outcomes: list[Outcome] = []
         radius = FIRST_RADIUS
         for number in range(ROUND_LIMIT):
+            programme, left = partial(self._programme, judgement), self._steps - len(done)
             local_search = search(
-                here,
-                partial(self._programme, judgement),
-                steps=self._steps - len(done),
-                radius=radius,
-                tolerance=self._tolerance,
-                progress=self._progress,
+                here, programme, steps=left, radius=radius, tolerance=self._tolerance, progress=self._progress
             )
             done += [(number, step) for step in local_search.steps]
             if outcomes and not any(step.accepted for step in local_search.steps):
@@ -156,18 +152,9 @@ class SettingSearch:
             point, case, unrounded = self.anew(best.values, judgement, _rounded_settings(best))
         except EaseoffError as error:
             point, case, unrounded = here, self._workshop.space.case_at(here.values), str(error)
-        return Outcome(
-            best.values,
-            point.values,
-            case,
-            point,
-            (),
-            found.ended,
-            Prices.of(found.last, judgement, self._workshop.units),
-            best.ease_off_change(case),
-            point.merit.total - best.merit.total,
-            unrounded,
-        )
+        prices = Prices.of(found.last, judgement, self._workshop.units)
+        change, loss = best.ease_off_change(case), point.merit.total - best.merit.total
+        return Outcome(best.values, point.values, case, point, (), found.ended, prices, change, loss, unrounded)
 
     def _programme(self, judgement: Judgement, model: LocalModel) -> StepProgramme:
         weights = judgement.weights
