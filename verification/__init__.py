@@ -5,7 +5,7 @@ what is checked                   by
 ================================  =================================================================================
 whole case                        ``verify``: all below that apply to a pair, one row a comparison
 flanks                            ``envelope_condition``: motion of the cutter joint by joint, by differences
-ease-off, unloaded contact        ``both_methods``, ``path_of_contact``: conventional contact analysis: five equations
+ease-off, unloaded contact        ``both_methods``, ``path_of_contact``: conventional analysis, five equations
 unloaded contact, edges included  ``smallest_gap``, ``smallest_envelope``: direct search over both bounded flanks
 gap beside a contact line         ``flank_gap``: along the normal between the generated flanks; ``segment_gaps``
 curvatures of a flank             ``directional_curvatures``: along two directions, by complex steps
@@ -20,15 +20,20 @@ free ends of teeth                ``end_relief``: bricks of a body with a free e
 ================================  =================================================================================
 """
 
-from .case_verification import Verification as Verification, verify as verify
-from .conventional_analysis import RelativeCurvature as RelativeCurvature, relative_curvature as relative_curvature
-from .correction_loop import CorrectionLoop as CorrectionLoop, correction_loop as correction_loop
-from .end_relief import EndRelief as EndRelief, end_relief as end_relief
-from .envelope_condition import EnvelopeCondition as EnvelopeCondition, envelope_condition as envelope_condition
-from .flank_contact import FlankContact as FlankContact, contact_of_flanks as contact_of_flanks
-from .flank_response import FlankResponse as FlankResponse, flank_response as flank_response
-from .problem_classes import problems as problems
-from .shell_root_stress import shell_root_stress as shell_root_stress
-from .smallest_gap import SmallestGap as SmallestGap, smallest_gap as smallest_gap
-from .surface_cells import FlanksInMesh as FlanksInMesh, flanks_in_mesh as flanks_in_mesh
-from .verified_pair import RowStatus as RowStatus, VerificationRow as VerificationRow
+from .case_verification import Verification, verify
+from .conventional_analysis import RelativeCurvature, relative_curvature
+from .correction_loop import CorrectionLoop, correction_loop
+from .end_relief import EndRelief, end_relief
+from .envelope_condition import EnvelopeCondition, envelope_condition
+from .flank_contact import FlankContact, contact_of_flanks
+from .flank_response import FlankResponse, flank_response
+from .problem_classes import problems
+from .shell_root_stress import shell_root_stress
+from .smallest_gap import SmallestGap, smallest_gap
+from .surface_cells import FlanksInMesh, flanks_in_mesh
+from .verified_pair import RowStatus, VerificationRow
+
+__all__ = ["CorrectionLoop", "EndRelief", "EnvelopeCondition", "FlankContact", "FlankResponse", "FlanksInMesh"]
+__all__ += ["RelativeCurvature", "RowStatus", "SmallestGap", "Verification", "VerificationRow", "contact_of_flanks"]
+__all__ += ["correction_loop", "end_relief", "envelope_condition", "flank_response", "flanks_in_mesh", "problems"]
+__all__ += ["relative_curvature", "shell_root_stress", "smallest_gap", "verify"]

@@ -64,10 +64,6 @@ class Composite:
         """The same times a positive factor; of an affine one also with a number added, and of either sign."""
         return replace(self, level=factor * self.level + added, slope=factor * self.slope)
 
-    def per(self, units: Array) -> Composite:
-        """The same with its settings (n) in other units, of so much of the present ones each."""
-        return replace(self, slope=self.slope * units)
-
     def expression(self, cvxpy: Any, level: Any, slope: Any, step: Any) -> Any:
         """The same in words of CVXPY, of rows and derivatives that may be parameters."""
         rows = level + slope @ step
