@@ -103,16 +103,11 @@ def gupta_cheng(conditions: DimensionlessGroups) -> Array:
     return np.asarray(np.maximum(cooling, 0.0) / (1.0 + 0.213 * (1.0 + 2.23 * c.slide_to_roll**0.83) * thermal**0.64))
 
 
-def no_heating(conditions: DimensionlessGroups) -> Array:
-    """No thermal factor: one."""
-    return np.ones(())
-
-
 THERMAL_FACTORS: Mapping[str, Callable[[DimensionlessGroups], Array]] = {
     "goksem_hargreaves": goksem_hargreaves,
     "murch_wilson": murch_wilson,
     "gupta_cheng": gupta_cheng,
-    "none": no_heating,
+    "none": lambda _: np.ones(()),
 }
 #: Those of the factors that were made for the film thickness, and none.
 FILM_FACTORS = ("none", "gupta_cheng", "murch_wilson")

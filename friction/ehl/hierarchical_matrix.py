@@ -129,18 +129,18 @@ class _Tree:
 def _tree(nodes: int) -> _Tree:
     levels = max(0, int(np.log2(nodes / LEAF_SIZE)))
     leaf = -(-nodes // 2**levels)
-    halvings = []
-    for level in range(levels):
-        half = leaf * 2 ** (levels - level - 1)
-        reach = np.arange(-_BELOW, half + _ABOVE)
-        halvings.append(
-            _Halving(
-                on_first=_thin_factors(lambda i, j, h=half: logarithm_of_hats(reach[i] - h - j), reach.size, half),  # noqa: B023
-                on_second=_thin_factors(lambda i, j, h=half: logarithm_of_hats(reach[i] + h - j), reach.size, half),  # noqa: B023
-            )
-        )
+    halvings = tuple(_halving(leaf * 2 ** (levels - level - 1)) for level in range(levels))
     within = logarithm_of_hats(np.subtract.outer(np.arange(-_BELOW, leaf + _ABOVE), np.arange(leaf)))
-    return _Tree(leaf * 2**levels, leaf, within, tuple(halvings))
+    return _Tree(leaf * 2**levels, leaf, within, halvings)
+
+
+def _halving(half: int) -> _Halving:
+    reach = np.arange(-_BELOW, half + _ABOVE)
+
+    def factors(apart: int) -> tuple[Array, Array]:
+        return _thin_factors(lambda i, j: logarithm_of_hats(reach[i] + apart - j), reach.size, half)
+
+    return _Halving(on_first=factors(-half), on_second=factors(half))
 
 
 def _thin_factors(entry: Callable[..., Array], rows: int, columns: int) -> tuple[Array, Array]:
