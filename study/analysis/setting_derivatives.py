@@ -385,10 +385,10 @@ class _FrictionInputs:
             segments = one.case.solution.force > 0.0
             own = one.force[segments], one.length[segments], one.equivalent_radius[segments], one.place[:, segments]
             parts.append((one.case.segments.point[:, segments], *own))
-        point, *sizes, place = zip(*parts, strict=True)
-        by_segment = (np.concatenate(size) for size in sizes)
+        point, *by_segment, place = zip(*parts, strict=True)
+        force, length, radius = (np.concatenate(each) for each in by_segment)
         contacts = _contacts(found.cycle, loaded)
-        return cls(found, contacts, np.concatenate(point, axis=1), *by_segment, np.concatenate(place, axis=1))
+        return cls(found, contacts, np.concatenate(point, axis=1), force, length, radius, np.concatenate(place, axis=1))
 
     @property
     def steps(self) -> Array:

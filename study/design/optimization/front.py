@@ -94,12 +94,10 @@ def front_point(outcome: Outcome, judgement: Judgement) -> FrontPoint:
     point = outcome.point.judged_by(judgement)
     ratio, objective, limited = judgement.worst(point.read)
     ((_, ceiling),) = outcome.point.judgement.ceilings
-    violation = judgement.merit(point.read).violation
-    return FrontPoint(
-        *(outcome.values, outcome.rounded, ratio, objective, limited, outcome.prices, violation),
-        *(ceiling if np.isfinite(ceiling) else np.nan, outcome.ended == "converged"),
-        *(outcome.rounding_change, outcome.rounding_loss, point.workshop.effort.analyses, outcome),
-    )
+    violation, ceiling = judgement.merit(point.read).violation, ceiling if np.isfinite(ceiling) else np.nan
+    found = outcome.values, outcome.rounded, ratio, objective, limited, outcome.prices, violation, ceiling
+    rounding, analyses = (outcome.rounding_change, outcome.rounding_loss), point.workshop.effort.analyses
+    return FrontPoint(*found, outcome.ended == "converged", *rounding, analyses, outcome)
 
 
 def front(
