@@ -39,7 +39,7 @@ from ..geometry.flanks.curvature import Curvatures
 from ..geometry.flanks.flank import Flank, seed_lattice
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.ease_off import EaseOff
-from ..geometry.pair.gear_pair import DEFAULT_NODES, GearPair, Member, PairGeometry, pair_geometry
+from ..geometry.pair.gear_pair import GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.vectors import column, cross, dot, rotate
 from .smallest_gap import limited_newton
 
@@ -281,12 +281,6 @@ class BothMethods:
     contact: PointContact
     relative: RelativeCurvature
     inside: Bools  # contact point within both flanks, by a margin (n)
-    first_contact: float  # closing angle where the ease-off method's error is zero [rad]
-
-    @property
-    def motion(self) -> ConjugateMotion:
-        """The conjugate motion of the ease-off method."""
-        return self.geometry.exact.motion
 
     def unloaded(self, separation: float = 6.0) -> xr.Dataset:
         """The ease-off method's unloaded contact, lines ending at a separation [um]; of the pairs that have lines."""
@@ -294,9 +288,9 @@ class BothMethods:
         return dataset.sel(pair=np.unique(self.mesh.pair))
 
 
-def both_methods(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES, mesh_positions: int = 48) -> BothMethods:
+def both_methods(pair: GearPair) -> BothMethods:
     """Analyse a pair by the ease-off method and conventionally; every tooth pair counts."""
-    return methods_compared(pair_geometry(pair, nodes), mesh_positions)
+    return methods_compared(pair_geometry(pair))
 
 
 def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMethods:
@@ -311,8 +305,7 @@ def methods_compared(geometry: PairGeometry, mesh_positions: int = 48) -> BothMe
     on_pinion = _on_flank(pair.pinion, contact.pinion_position, contact.pinion_parameters)
     inside = contact.converged & on_gear & on_pinion
     relative = relative_curvature(surface.motion, pair.gear.loaded, contact)
-    zero = geometry.ease_off.attrs["first_contact_rad"]
-    return BothMethods(geometry, splines, mesh, contact, relative, inside, zero)
+    return BothMethods(geometry, splines, mesh, contact, relative, inside)
 
 
 def _on_flank(member: Member, position: Array, parameters: Array) -> Bools:
@@ -331,7 +324,8 @@ def point_differences(both: BothMethods) -> tuple[Array, Array]:
     error, t, h = (_flat(dataset, name)[0] for name in ("transmission_error", "path_lengthwise", "path_profile"))
     point = both.splines("position", np.stack([t, h]))
     away = np.linalg.norm(point - both.contact.gear_position, axis=0)
-    difference = 1e-6 * error - (both.contact.closing_angle - both.first_contact)
+    zero = both.geometry.ease_off.attrs["first_contact_rad"]  # closing angle where the ease-off method's error is zero
+    difference = 1e-6 * error - (both.contact.closing_angle - zero)
     return np.where(both.inside, difference, np.nan), np.where(both.inside, away, np.nan)
 
 

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from ..contact.problem.contact_problem import ContactProblem
 from ..core.arrays import RealArray as Array
@@ -93,10 +94,7 @@ def _realistic(rng: np.random.Generator) -> ContactProblem:
         blocks.append(np.sqrt(LOCAL_COMPLIANCE) * shapes / (1.0 + np.arange(6)))
         mismatch = 0.032 * (along - 0.2) ** 2 + 0.018 * (2.0 * height - 1.0) ** 2 + 0.009 * along * (2.0 * height - 1.0)
         gaps.append(mismatch + 0.004 * (pair - 0.5 * (pairs - 1)) ** 2)
-    factor = np.zeros((pairs * per_pair, 6 * pairs))
-    for pair, block in enumerate(blocks):
-        factor[pair * per_pair : (pair + 1) * per_pair, 6 * pair : 6 * pair + 6] = block
-    n = pairs * per_pair
+    factor, n = block_diag(*blocks), pairs * per_pair
     return ContactProblem(
         np.concatenate(gaps) + 1e-4 * rng.uniform(size=n),
         rng.normal(42.0, 1.0, n),

@@ -218,7 +218,7 @@ def test_gap_of_the_ease_off_method_has_the_relative_curvature_of_the_flanks(
     value = both.splines.evaluate(names, points)
     first = [both.splines.evaluate(names, points, d) for d in ((1, 0), (0, 1))]
     second = {d: both.splines.evaluate(names, points, d) for d in ((2, 0), (1, 1), (0, 2))}
-    left = contact.pinion_rotation[inside] - both.motion.center - value["roll_angle"]
+    left = contact.pinion_rotation[inside] - both.geometry.exact.motion.center - value["roll_angle"]
     # Curvature and skew are functions of two fields: their derivatives by the chain rule.
     bend, slope = value["separation_bend"], value["separation_bend_slope"]
     curvature, skew = curvature_and_skew(bend, slope)
@@ -273,7 +273,7 @@ def test_contact_line_is_the_major_axis_of_the_contact_ellipse(name: str, flank:
 
 def test_operators_at_the_points_of_contact_agree_with_the_closed_form() -> None:
     both = analysed("nasa-12x36", "drive", True)
-    gear, pinion = shape_operators(both.motion, shipped("nasa-12x36", "drive").gear.loaded, both.contact)
+    gear, pinion = shape_operators(both.geometry.exact.motion, shipped("nasa-12x36", "drive").gear.loaded, both.contact)
     np.testing.assert_allclose(cross(gear.first, gear.second), -cross(pinion.first, pinion.second), atol=1e-9)
     inside = both.inside
     values = np.linalg.eigvalsh(relative_shape_operator(gear, pinion)[..., inside].transpose(2, 0, 1))
