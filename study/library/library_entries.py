@@ -1,18 +1,22 @@
-"""Library entries: the declaration of every problem of the library, by name.
+"""Library entries: the declaration of every problem of the library, by name, and its reference answer.
 
 A problem is that of a ``Source``, an instant of a shipped case, or is made from it by a change of
-``problem_changes.CHANGES``. If the problem behind a name changes or problems are added, the version of the library is
+``library_files.CHANGES``. If the problem behind a name changes or problems are added, the version of the library is
 raised.
 """
 
 from __future__ import annotations
 
+import csv
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from importlib import resources
 
 from ...geometry.pair.gear_pair import FlankName
 
 LIBRARY_VERSION = 6
+#: Table of the reference answers.
+TABLE = "answers.csv"
 
 #: Number of pinion rotations that divide one pitch; a source is at one of them.
 MESH_POSITIONS = 32
@@ -91,7 +95,7 @@ class Entry:
     source
         Instant of a shipped case that the problem comes from.
     change
-        Key of ``problem_changes.CHANGES``; empty for the problem of the source itself.
+        Key of ``library_files.CHANGES``; empty for the problem of the source itself.
     amount
         Amount of the change; zero where it needs none.
     dense
@@ -252,3 +256,53 @@ def _pairs() -> Iterator[Entry]:
     for base, source in BASES.items():
         for count in PINIONS:
             yield Entry(f"{base}-pinions-{count}", "pairs", source, "several_pinions", float(count))
+
+
+@dataclass(frozen=True)
+class ReferenceAnswer:
+    """Reference answer of a problem.
+
+    Parameters
+    ----------
+    name
+        Name of the problem.
+    size
+        Number of segments.
+    elastic_rotation
+        Rotation beyond first contact [rad].
+    touching
+        Number of segments that carry load; -1 where segments at the limit of contact or a singular compliance leave it
+        open.
+    condition_number
+        Condition number of the compliance; infinite where its least eigenvalue is rounding.
+    refined_difference, lemke_difference
+        Relative difference between the native solver's rotation and that of the refinement and of Lemke's method; NaN
+        where the method has no answer or was not tried.
+
+    Examples
+    --------
+    >>> ReferenceAnswer("two", 2, 1e-4, 2, 10.0, 1e-15, 1e-15).touching
+    2
+    """
+
+    name: str
+    size: int
+    elastic_rotation: float
+    touching: int
+    condition_number: float
+    refined_difference: float
+    lemke_difference: float
+
+
+def reference_answers() -> dict[str, ReferenceAnswer]:
+    """Shipped reference answers, by name of the problem.
+
+    Examples
+    --------
+    >>> reference_answers()["nasa-12x36-drive-design"].size
+    62
+    """
+    text = resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8")
+    kinds = {field.name: {"str": str, "int": int, "float": float}[str(field.type)] for field in fields(ReferenceAnswer)}
+    rows = csv.DictReader(text.splitlines())
+    return {row["name"]: ReferenceAnswer(**{key: kinds[key](value) for key, value in row.items()}) for row in rows}

@@ -30,8 +30,18 @@ from ...core.process_settings import one_blas_thread
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import pair_geometry
 from ..case_in_mesh import prepared_pair
-from .library_entries import LIBRARY_VERSION, MESH_POSITIONS, PARTS, PINION_LAG, USUAL_PARTS, Entry, Source, entries
-from .reference_answers import ReferenceAnswer, reference_answers
+from .library_entries import (
+    LIBRARY_VERSION,
+    MESH_POSITIONS,
+    PARTS,
+    PINION_LAG,
+    USUAL_PARTS,
+    Entry,
+    ReferenceAnswer,
+    Source,
+    entries,
+    reference_answers,
+)
 
 
 def parts(problem: ContactProblem) -> tuple[Array, Array, float, Array, Array]:

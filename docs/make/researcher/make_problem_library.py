@@ -16,12 +16,12 @@ from pathlib import Path
 
 from folders import RESEARCHER
 from generated_part import with_generated
+from proved_answers import proved_answer, write_answers
 
 import easeoff.study.library
 from easeoff.study.library import ReferenceAnswer, entries, generate, reference_answers
-from easeoff.study.library.library_entries import KINDS, PARTS
+from easeoff.study.library.library_entries import KINDS, PARTS, TABLE
 from easeoff.study.library.library_files import CHANGES
-from easeoff.study.library.reference_answers import TABLE, proved_answer, write_answers
 
 PAGE = RESEARCHER / "problem_library.md"
 

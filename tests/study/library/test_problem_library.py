@@ -15,6 +15,7 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 from places import ROOT
+from proved_answers import condition_number, condition_of, proved_answer, refined_rotation
 from runs import call, output_of
 from threadpoolctl import threadpool_info, threadpool_limits
 
@@ -33,17 +34,11 @@ from easeoff.study.library.library_entries import (
     LIBRARY_VERSION,
     MESH_POSITIONS,
     PARTS,
+    TABLE,
     TORQUES,
     USUAL_PARTS,
 )
 from easeoff.study.library.library_files import CHANGES, copied_segments, dense, next_contact, write_library
-from easeoff.study.library.reference_answers import (
-    TABLE,
-    condition_number,
-    condition_of,
-    proved_answer,
-    refined_rotation,
-)
 
 EVERY = {entry.name: entry for entry in entries()}
 BASE = "nasa-12x36"

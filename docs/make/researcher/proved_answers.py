@@ -1,4 +1,4 @@
-"""Reference answers of the library of contact problems: the shipped table, and its proof without the native solver.
+"""Reference answers of the library of contact problems, proved without the native solver.
 
 An answer is the rotation beyond first contact, theta - min S/r over r > 0, which all solutions of a problem share, and
 the number of segments in contact where that is determined. Two methods independent of the native solver prove it:
@@ -13,8 +13,7 @@ from __future__ import annotations
 import csv
 import math
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass, fields
-from importlib import resources
+from dataclasses import asdict, fields
 from pathlib import Path
 from typing import Any
 
@@ -22,14 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs
 
-from ...contact.problem.contact_problem import ContactProblem
-from ...contact.solvers import solve
-from ...core.arrays import Bools
-from ...core.output_file import whole_file
+from easeoff.contact import ContactProblem, solve
+from easeoff.core.arrays import Bools
+from easeoff.core.output_file import whole_file
+from easeoff.study.library import ReferenceAnswer
 
 Wide = NDArray[np.longdouble]
 
-TABLE = "answers.csv"
 LEMKE_SIZE_LIMIT = 600
 #: Segments up to which the compliance of a structured problem is formed as a matrix for a proof.
 DENSE_SIZE_LIMIT = 6000
@@ -38,56 +36,6 @@ CONTACT_MARGIN = 1e-6
 #: Largest force or gap of the wrong sign, over its scale.
 SIGN_TOLERANCE = 1e-13
 REFINEMENT_STEPS = 30
-
-
-@dataclass(frozen=True)
-class ReferenceAnswer:
-    """Reference answer of a problem.
-
-    Parameters
-    ----------
-    name
-        Name of the problem.
-    size
-        Number of segments.
-    elastic_rotation
-        Rotation beyond first contact [rad].
-    touching
-        Number of segments that carry load; -1 where segments at the limit of contact or a singular compliance leave it
-        open.
-    condition_number
-        Condition number of the compliance; infinite where its least eigenvalue is rounding.
-    refined_difference, lemke_difference
-        Relative difference between the native solver's rotation and that of the refinement and of Lemke's method; NaN
-        where the method has no answer or was not tried.
-
-    Examples
-    --------
-    >>> ReferenceAnswer("two", 2, 1e-4, 2, 10.0, 1e-15, 1e-15).touching
-    2
-    """
-
-    name: str
-    size: int
-    elastic_rotation: float
-    touching: int
-    condition_number: float
-    refined_difference: float
-    lemke_difference: float
-
-
-def reference_answers() -> dict[str, ReferenceAnswer]:
-    """Shipped reference answers, by name of the problem.
-
-    Examples
-    --------
-    >>> reference_answers()["nasa-12x36-drive-design"].size
-    62
-    """
-    text = resources.files(__package__).joinpath(TABLE).read_text(encoding="utf-8")
-    kinds = {field.name: {"str": str, "int": int, "float": float}[str(field.type)] for field in fields(ReferenceAnswer)}
-    rows = csv.DictReader(text.splitlines())
-    return {row["name"]: ReferenceAnswer(**{key: kinds[key](value) for key, value in row.items()}) for row in rows}
 
 
 def write_answers(answers: Iterable[ReferenceAnswer], path: Path) -> None:
