@@ -138,8 +138,8 @@ def checked_given(tree: xr.DataTree, path: Path) -> xr.DataTree | xr.Dataset:
     kind = kind_of(dataset)
     if kind == "other":
         return checked_result(tree, path)
-    require_kind(str(path), kind)
-    require_layout(str(path), dataset, kind)
+    require_kind(named(path), kind)
+    require_layout(named(path), dataset, kind)
     return dataset
 
 

@@ -102,10 +102,7 @@ OF_A_PAIR: dict[str, AttributeKind] = {
 OF_UNLOADED: dict[str, AttributeKind] = {"peak_to_peak": "number", "rms": "number", "harmonics": 3}
 #: Attributes by group, with whether they are a text, a number or a vector of that many numbers.
 ATTRIBUTES: dict[str, dict[str, AttributeKind]] = {
-    "": {
-        **OF_A_PAIR,
-        **dict.fromkeys(("easeoff_version", "solver", "pinion_hand", "opposite_flanks"), "text"),
-    },
+    "": {**OF_A_PAIR, **dict.fromkeys(("easeoff_version", "solver", "pinion_hand", "opposite_flanks"), "text")},
     "ease_off": {
         **dict.fromkeys(("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm"), 3),
         **dict.fromkeys(("ratio", "first_contact_rad"), "number"),

@@ -295,12 +295,7 @@ class _Run:
     """A pair that wears; what the next step starts from."""
 
     def __init__(
-        self,
-        designed: CaseInMesh,
-        law: WearLaw,
-        shares: dict[float, float],
-        solver: str,
-        start: dict[str, Deviation],
+        self, designed: CaseInMesh, law: WearLaw, shares: dict[float, float], solver: str, start: dict[str, Deviation]
     ) -> None:
         self.pair, self.law, self.shares, self.solver, self.start = designed.pair, law, shares, solver, start
         self.assemblies = [

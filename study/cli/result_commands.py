@@ -164,7 +164,7 @@ def cite(result: Path | None, bibtex: bool) -> None:
 def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None:
     """Write pictures, options as of ``write_pictures``, and say which were written, replaced or removed."""
     from ..plot import write_pictures
-    from ..plot.picture_files import file_prefix, pictures_of_results
+    from ..plot.written_pictures import file_prefix, pictures_of_results
 
     before = pictures_of_results(folder)
     with working("drawing the pictures"):

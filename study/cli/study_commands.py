@@ -98,11 +98,7 @@ def wear(case: str, coefficient: tuple[float, float], output: Path, supports: st
     bar: Any
     with terminal_bar(total=law.revolutions, desc="wear", unit="revolution", unit_scale=True) as bar:
         history = worn(
-            checked,
-            law,
-            progress=partial(count, bar),
-            stage=partial(show_stage, bar),
-            **with_defaults(options),
+            checked, law, progress=partial(count, bar), stage=partial(show_stage, bar), **with_defaults(options)
         )
     write_netcdf(history, output)
     echo(wear_summary(history))

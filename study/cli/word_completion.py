@@ -98,11 +98,7 @@ friction_models = words_in_list(_models)
 solver_list = words_in_list(_solvers)
 
 
-SHELLS = {
-    "bash": "~/.bashrc",
-    "zsh": "~/.zshrc",
-    "fish": "~/.config/fish/completions/easeoff.fish",
-}
+SHELLS = {"bash": "~/.bashrc", "zsh": "~/.zshrc", "fish": "~/.config/fish/completions/easeoff.fish"}
 #: By which the shell asks the program for completions; click derives it from the name of the program.
 VARIABLE = "_EASEOFF_COMPLETE"
 

@@ -329,11 +329,7 @@ def summary_frames(tree: xr.DataTree) -> dict[str, pd.DataFrame]:
     for name, variable in numbers.data_vars.items():
         part = "friction" if "speed" in variable.dims else "loaded" if "torque" in variable.dims else "unloaded"
         parts[part].append(str(name))
-    indices: dict[str, tuple[str, ...]] = {
-        "unloaded": (),
-        "loaded": CONDITIONS[:1],
-        "friction": CONDITIONS,
-    }
+    indices: dict[str, tuple[str, ...]] = {"unloaded": (), "loaded": CONDITIONS[:1], "friction": CONDITIONS}
     frames = {part: frame_over(numbers[names], indices[part]) for part, names in parts.items() if names}
     assembly = {"misalignment": _misalignment(tree), "supports": _supports(tree)}
     assembly_frames = {part: frame for part, frame in assembly.items() if frame is not None}

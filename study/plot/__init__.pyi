@@ -10,6 +10,7 @@ from .study_charts import (
     front as front,
     load_cases as load_cases,
     misalignment as misalignment,
+    vh_check as vh_check,
     wear as wear,
 )
 from .sweep_charts import sweep as sweep
@@ -19,7 +20,6 @@ from .topography_chart import (
     optimization as optimization,
     topography as topography,
 )
-from .vh_chart import vh_check as vh_check
 from .written_pictures import pictures as pictures, write_pictures as write_pictures
 
 __all__: list[str]

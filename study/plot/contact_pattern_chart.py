@@ -1,43 +1,228 @@
 """Contact pattern chart: contact lines, marking print and pattern at light load, on both flanks.
 
-Contour labels: numbers on contour lines, within a region and clear of its border, other lines and each other.
+Pattern without load: contact lines, path of contact and outline of the range in which a pair carries.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
-from scipy.spatial import cKDTree
 
 from ...contact.evaluation.flank_region import FlankRegion
 from ...contact.evaluation.marking_print import MarkingPrint, checked_thickness
 from ...contact.evaluation.pressure_map import pressure_map
-from ...contact.evaluation.tooth_passage import CarryingError
+from ...contact.evaluation.tooth_passage import CarryingError, ToothPassage, tooth_passage
+from ...contact.lines.contact_lines import boundary_distance
+from ...contact.lines.flank_splines import FlankSplines
 from ...contact.outcomes import Status
-from ...core.arrays import Array, Bools, Integers
+from ...core.arrays import Array, Bools
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..summary.curves import torque_name
+from .axes_style import legend_at_foot, panel_titles
 from .drawing_style import picture
-from .drawn_result import flank_views, require_result
 from .mesh_cycle_charts import draw_surface, pressure_levels
-from .page import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, legend_at_foot, panel_titles
-from .panel_grid import chosen_parts, panels
-from .pattern_lines import contact_pattern as pattern_of, draw_pattern, path_beyond
-from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
+from .panel_grid import AxesChoice, chosen_parts, panels, require_result
+from .style import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH
+from .tooth_view import ToothView, draw_flank, flank_views, shared_aspect, side_by_side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.contour import ContourSet
     from matplotlib.figure import Figure
-    from matplotlib.path import Path
-    from matplotlib.tri import Triangulation
+    from matplotlib.lines import Line2D
 
-    from .panel_grid import AxesChoice
+
+LINE_POINT_COUNT = 17  # along a drawn contact line
+
+
+FADED_PATH: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (1, 1.5))}
+
+
+BOUNDARY_SEARCH_LIMIT = 0.25  # distance beyond the common flank, as a fraction, from which the path is moved to it
+
+
+@dataclass(frozen=True)
+class CarryingRange:
+    """Range in which one tooth pair carries alone, between the transfers from the pair before and to the next."""
+
+    lines: Array  # (m, 2, LINE_POINT_COUNT), fractions, from transfer to transfer
+    path: Array  # (2, m), fractions
+
+    @property
+    def outline(self) -> Array:
+        """Closed curve (2, k) around the contact lines, as fractions."""
+        lines = self.lines
+        return np.concatenate([lines[:, :, 0].T, lines[-1], lines[::-1, :, -1].T, lines[0, :, ::-1]], axis=1)
+
+
+@dataclass(frozen=True)
+class ContactPattern:
+    """Unloaded contact of a tooth pair on the gear flank, over its whole passage, in fractions of the flank.
+
+    There are several carrying ranges if the pair carries, lets go and carries again.
+    """
+
+    lines: Array  # (m, 2, LINE_POINT_COUNT) within the separation, else NaN
+    path: Array  # (m, 2)
+    carrying: Bools  # (m), true where this pair carries
+    ranges: tuple[CarryingRange, ...]
+
+
+def unloaded_pattern(unloaded: xr.Dataset, splines: FlankSplines) -> ContactPattern:
+    """Contact pattern of a result.
+
+    Parameters
+    ----------
+    unloaded
+        The group ``unloaded``.
+    splines
+        Splines on the gear flank, for the bend of the contact lines.
+    """
+    pairs = unloaded["pair"].values
+
+    def course(*names: str) -> ToothPassage:
+        tables = [unloaded[name].transpose("pair", "mesh_position", ...).values for name in names]
+        return tooth_passage(pairs, np.stack(tables, axis=-1))
+
+    ends = course("line_lengthwise", "line_profile")  # (m, end, 2)
+    path = course("path_lengthwise", "path_profile")
+    path = replace(path, values=on_common_flank(splines, path.values, ends.values))
+    error = course("transmission_error")
+    carries = (pairs[:, None] == unloaded["carrying_pair"].values).astype(float)
+    carrying = (tooth_passage(pairs, carries).values == 1.0) & np.all(np.isfinite(path.values), axis=-1)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], carrying, [False]]).astype(np.int8))).reshape(-1, 2)
+    ranges = []
+    for start, stop in edges:
+        first, last = path.first + start, path.first + stop - 1
+        before, after = _transfer(error, first, -1), _transfer(error, last, 1)
+        steps = np.concatenate([before, np.arange(first, last + 1), after])
+        lines = bent_lines(splines, ends.at(steps))
+        lines = lines[np.all(np.isfinite(lines), axis=(1, 2))]  # at an edge a pair may carry without a contact line
+        if len(lines):
+            ranges.append(CarryingRange(lines, path.at(steps).T))
+    return ContactPattern(bent_lines(splines, ends.values), path.values, carrying, tuple(ranges))
+
+
+def on_common_flank(splines: FlankSplines, path: Array, ends: Array) -> Array:
+    """Path of contact (m, 2), points beyond the common flank moved along their contact lines onto its boundary.
+
+    Lines end at (m, end, 2); NaN if none meets the common flank. An edge of the pinion may touch a little beyond it.
+    """
+    beyond = np.flatnonzero(np.all(np.isfinite(path), axis=-1) & np.all(np.isfinite(ends), axis=(1, 2)))
+    if beyond.size:
+        beyond = beyond[_outside(splines, path[beyond].T)]
+    if beyond.size == 0:
+        return path
+    direction = (ends[beyond, 1] - ends[beyond, 0]).T
+    length = np.linalg.norm(direction, axis=0)
+    result = path.copy()
+    result[beyond] = np.nan  # unless a point is found
+    beyond, direction = beyond[length > 0.0], direction[:, length > 0.0] / length[length > 0.0]
+    reach = np.linspace(0.0, BOUNDARY_SEARCH_LIMIT, 65)[1:]
+    away = np.stack([reach, -reach], axis=1).ravel()  # ever further, to both sides
+    outside = path[beyond].T
+    tried = outside[..., None] + direction[..., None] * away
+    within = ~_outside(splines, tried)
+    first = np.argmax(within, axis=1)
+    inside = np.take_along_axis(tried, first[None, :, None], axis=2)[..., 0]
+    for _ in range(30):
+        middle = 0.5 * (inside + outside)
+        good = ~_outside(splines, middle)
+        inside, outside = np.where(good, middle, inside), np.where(good, outside, middle)
+    hits = np.any(within, axis=1)
+    result[beyond[hits]] = inside[:, hits].T
+    return result
+
+
+def _outside(splines: FlankSplines, points: Array) -> Bools:
+    """True (...) at points (2, ...) that lie beyond the common flank."""
+    beyond_gear = np.any((points < 0.0) | (points > 1.0), axis=0)
+    return np.asarray(beyond_gear | (boundary_distance(splines, points) < 0.0))
+
+
+def _transfer(error: ToothPassage, step: int, direction: int) -> Array:
+    """Fractional step beyond the last one of the carrying range at which the next pair takes over; empty if unknown."""
+    steps = np.array([step, step + direction])
+    ahead = error.at(steps) - error.at(steps - direction * error.per_cycle)
+    lead, beyond = ahead[:, 0]
+    if not (np.isfinite(lead) and np.isfinite(beyond) and lead <= 0.0 < beyond):
+        return np.zeros(0)
+    return np.array([step + direction * lead / (lead - beyond)])
+
+
+def bent_lines(splines: FlankSplines, ends: Array, steps: int = 3) -> Array:
+    """Contact lines (m, 2, LINE_POINT_COUNT) between ends (m, end, 2), as fractions.
+
+    Points of the chord are moved along the gradient of the roll angle onto the level of the ends.
+    """
+    finite = np.all(np.isfinite(ends), axis=(1, 2))
+    lines = np.full((ends.shape[0], 2, LINE_POINT_COUNT), np.nan)
+    if not np.any(finite):
+        return lines
+    first, second = np.moveaxis(ends[finite], 0, -1)  # (2, m) each
+    along = np.linspace(0.0, 1.0, LINE_POINT_COUNT)
+    points = first[..., None] * (1.0 - along) + second[..., None] * along
+    at_ends = splines("roll_angle", points[..., [0, -1]])
+    level = at_ends[..., :1] * (1.0 - along) + at_ends[..., 1:] * along
+    for _ in range(steps):
+        slope = np.stack([splines("roll_angle", points, (1, 0)), splines("roll_angle", points, (0, 1))])
+        step = (level - splines("roll_angle", points)) * slope / np.sum(slope**2, axis=0)
+        points = np.clip(points + step, 0.0, 1.0)
+    lines[finite] = np.moveaxis(points, 1, 0)
+    return lines
+
+
+def draw_pattern(
+    axes: Axes, view: ToothView, pattern: ContactPattern, *, labels: tuple[bool, bool] = (True, True), path: bool = True
+) -> None:
+    """Draw a pattern on its flank: contact lines, outlines, and the path of contact unless ``path`` is false."""
+    from matplotlib.collections import LineCollection
+
+    draw_flank(axes, view, labels=labels)
+    # Lines may run out of the flank by a hair; they end at its edge.
+    styles = ((False, FAINT, 0.6, 1.0), (True, BLUE, 0.8, 0.75))
+    for carrying, colour, width, alpha in styles:
+        chosen = pattern.lines[(pattern.carrying == carrying) & np.isfinite(pattern.lines[:, 0, 0])]
+        drawn = [view.in_plane(line).T for line in chosen]
+        axes.add_collection(LineCollection(drawn, colors=colour, linewidths=width, alpha=alpha, zorder=2))
+    axes.plot(*view.in_plane(pattern.path.T), zorder=3, **FADED_PATH)
+    for span in pattern.ranges:
+        axes.fill(*view.in_plane(span.outline), facecolor=BLUE, alpha=0.10, edgecolor="none", zorder=1)
+        axes.plot(*view.in_plane(span.outline), color=BLUE, linewidth=1.4, zorder=4)
+    if path:
+        draw_path(axes, view, pattern)
+
+
+def draw_path(axes: Axes, view: ToothView, pattern: ContactPattern) -> None:
+    """Draw the path of contact of the carrying range and its ends."""
+    for span in pattern.ranges:
+        path = view.in_plane(span.path)
+        axes.plot(*path, color="white", linewidth=3.4, zorder=6.5, solid_capstyle="round")
+        axes.plot(*path, color=VERMILION, linewidth=1.8, zorder=7, solid_capstyle="round")
+        axes.plot(
+            *path[:, [0, -1]], linestyle="none", marker="o", markersize=4.5, markerfacecolor="white",
+            markeredgecolor=VERMILION, markeredgewidth=1.2, zorder=8,
+        )  # fmt: skip
+
+
+def path_beyond(label: str) -> Line2D:
+    """Legend entry of the path of contact outside the carrying range."""
+    from matplotlib.lines import Line2D
+
+    return Line2D([], [], label=label, **FADED_PATH)
+
+
+def legend_below(axes: Axes, entries: list[Line2D], columns: int) -> None:
+    """Legend under the axes, without a frame."""
+    axes.legend(
+        handles=entries, loc="upper center", bbox_to_anchor=(0.5, 0.0), ncols=columns, fontsize=SMALL_SIZE + 0.5,
+        frameon=False, labelcolor=INK, handlelength=2.4, columnspacing=2.0, borderaxespad=4.2,
+    )  # fmt: skip
+
 
 FLANK_NAMES = {"gear": "gear flank", "pinion": "pinion flank"}
 COMPOUND = "#7FB2D6"  # colour of the marking compound
@@ -103,7 +288,7 @@ def contact_pattern(
     subplots = panels(tree, "Contact pattern", height, note, (len(names), len(views)), axes)
     grid = subplots.axes.reshape(len(names), len(views))
     rows = dict(zip(names, grid, strict=True))
-    pattern = pattern_of(unloaded, views[0].fields)
+    pattern = unloaded_pattern(unloaded, views[0].fields)
     error = CarryingError.of(unloaded, 2.0 * math.pi / tree.attrs["pinion_teeth"])
     printed, region = None, None
     if error.is_known:
@@ -175,180 +360,3 @@ def _entries() -> list[Any]:
         Line2D([], [], label="centre of the print", **CENTRE_STYLE),
         Line2D([], [], linestyle="none", marker="+", markersize=7, color=INK, label="greatest pressure"),
     ]
-
-
-PANEL_SHARE = 0.87  # width of a panel over that of its column
-DIGIT_WIDTH, POINT_WIDTH, DIGIT_HEIGHT = 0.64, 0.32, 0.74  # over the size of the type
-CANDIDATE_STEP = 3.0  # [pt] between points that are tried
-LINE_LENGTH_MINIMUM = 1.6  # length of a line over that of its number
-CHORD_MINIMUM = 0.93  # chord of a line under a number over the number's length
-LINE_CLEARANCE, BORDER_CLEARANCE, LABEL_CLEARANCE = 0.5, 1.0, 2.5  # [pt] around a number
-CLEARANCE_LIMIT = 9.0  # [pt]; more is no better
-LABEL_DISTANCE = 150.0  # [pt] between numbers of the same level
-
-
-@dataclass(frozen=True)
-class Region:
-    """Region in which the numbers of contour lines may stand."""
-
-    holds: Callable[[Array], Bools]  # of points (n, 2) [mm]
-    border: Array  # (k, 2) [mm], closely spaced
-
-
-def outlined(outline: Path) -> Region:
-    """Region inside closed curves."""
-    curves = [curve for curve in map(np.asarray, outline.to_polygons()) if len(curve) > 2]
-    return Region(outline.contains_points, np.concatenate([dense(curve) for curve in curves] or [np.zeros((0, 2))]))
-
-
-def triangulated(mesh: Triangulation) -> Region:
-    """Region covered by triangles."""
-    find = mesh.get_trifinder()
-    corners = np.stack([mesh.x, mesh.y], axis=1)
-    sides = border_sides(mesh)
-    border = np.concatenate([dense(corners[side]) for side in sides]) if len(sides) else np.zeros((0, 2))
-
-    def holds(points: Array) -> Bools:
-        triangles: Any = find(*points.T)
-        return np.asarray(triangles >= 0)
-
-    return Region(holds, border)
-
-
-def border_sides(mesh: Triangulation) -> Integers:
-    """Both ends (n, 2) of the sides that belong to one triangle only."""
-    shown = mesh.get_masked_triangles()
-    sides = np.sort(np.concatenate([shown[:, [0, 1]], shown[:, [1, 2]], shown[:, [2, 0]]]), axis=1)
-    unique, count = np.unique(sides, axis=0, return_counts=True)
-    return np.asarray(unique[count == 1])
-
-
-def without_border(mesh: Triangulation) -> Triangulation:
-    """Triangles without those that have a corner on the border."""
-    from matplotlib.tri import Triangulation
-
-    at_border = np.zeros(mesh.x.size, dtype=bool)
-    at_border[border_sides(mesh)] = True
-    hidden = np.any(at_border[mesh.triangles], axis=1)
-    return Triangulation(mesh.x, mesh.y, mesh.triangles, hidden if mesh.mask is None else mesh.mask | hidden)
-
-
-def without_steep(mesh: Triangulation, values: Array, steepest: float) -> Triangulation:
-    """Triangles without those on which values (n) at the corners are steeper than a limit [1/mm]."""
-    from matplotlib.tri import Triangulation
-
-    plane = np.stack([mesh.x, mesh.y, values], axis=1)[mesh.triangles]
-    normal = np.cross(plane[:, 1] - plane[:, 0], plane[:, 2] - plane[:, 0])
-    normal *= np.sign(normal[:, 2:])
-    shown = np.ones(len(normal), dtype=bool) if mesh.mask is None else ~mesh.mask
-    around = np.zeros((mesh.x.size, 3))
-    for corner in mesh.triangles[shown].T:
-        np.add.at(around, corner, normal[shown])  # weighted by their areas
-    mean = around[mesh.triangles].sum(axis=1)
-    hidden = np.hypot(mean[:, 0], mean[:, 1]) > steepest * mean[:, 2]
-    return Triangulation(mesh.x, mesh.y, mesh.triangles, hidden | ~shown)
-
-
-def dense(line: Array, parts: int = 200) -> Array:
-    """Line (n, 2) refined to at least as many parts."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-    every = np.union1d(along, np.linspace(0.0, along[-1], parts))
-    return np.stack([np.interp(every, along, values) for values in line.T], axis=1)
-
-
-def drop_short(lines: ContourSet, shortest: float) -> None:
-    """Remove pieces of contour lines that are shorter than a length [mm]."""
-    from matplotlib.path import Path
-
-    paths = []
-    for level in lines.allsegs:
-        kept = [Path(piece) for piece in level if np.hypot(*np.diff(piece, axis=0).T).sum() >= shortest]
-        paths.append(Path.make_compound_path(*kept) if kept else Path(np.zeros((0, 2))))
-    lines.set_paths(paths)
-
-
-def number_lines(axes: Axes, lines: ContourSet, region: Region, size: float = SMALL_SIZE) -> None:
-    """Write the levels on contour lines where there is room."""
-    points: Any = label_points(axes, lines, region, size)
-    if points:
-        axes.clabel(lines, fmt=lambda value: f"{value:g}", fontsize=size, inline_spacing=1, manual=points)
-
-
-def label_points(axes: Axes, lines: ContourSet, region: Region, size: float = SMALL_SIZE) -> list[tuple[float, float]]:
-    """Points of contour lines for their numbers: longest lines first, each where there is most room.
-
-    The axes must be as high as wide if their aspect is equal; the size of the type is in points.
-    """
-    scale = points_per_unit(axes)
-    pieces = [
-        (float(level), np.asarray(piece) * scale)
-        for level, parts in zip(lines.levels, lines.allsegs, strict=True)
-        for piece in parts
-        if len(piece) > 2
-    ]
-    pieces.sort(key=lambda piece: -np.hypot(*np.diff(piece[1], axis=0).T).sum())
-    drawn = [dense(piece) for _, piece in pieces]
-    border = cKDTree(region.border * scale) if len(region.border) else None
-    chosen: list[tuple[float, Array]] = []
-    numbers: list[Array] = []
-    for index, (level, piece) in enumerate(pieces):
-        centres, written = candidates(piece, length(f"{level:g}", size))
-        if not len(centres):
-            continue
-        flat = written.reshape(-1, 2)
-        half = 0.5 * DIGIT_HEIGHT * size
-        room = np.full(len(centres), CLEARANCE_LIMIT)
-        others = [line for other, line in enumerate(drawn) if other != index]
-        for tree, margin, least in (
-            (cKDTree(np.concatenate(others)) if others else None, half, LINE_CLEARANCE),
-            (border, half, BORDER_CLEARANCE),
-            (cKDTree(np.concatenate(numbers)) if numbers else None, 2.0 * half, LABEL_CLEARANCE),
-        ):
-            if tree is not None:
-                free = np.asarray(tree.query(flat)[0]).reshape(len(centres), -1).min(axis=1) - margin
-                room = np.where(free < least, -np.inf, np.minimum(room, free))
-        room[~np.all(region.holds(flat / scale).reshape(len(centres), -1), axis=1)] = -np.inf
-        for other, point in chosen:
-            if other == level:
-                room[np.hypot(*(centres - point).T) < LABEL_DISTANCE] = -np.inf
-        # Of those with about the most room the one nearest to the middle.
-        best = np.flatnonzero(np.isfinite(room) & (room >= room.max() - 0.5))
-        if best.size:
-            middle = best[np.argmin(np.abs(best - 0.5 * (len(centres) - 1)))]
-            chosen.append((level, centres[middle]))
-            numbers.append(written[middle])
-    return [(float(x), float(y)) for x, y in (point / scale for _, point in chosen)]
-
-
-def candidates(line: Array, extent: float) -> tuple[Array, Array]:
-    """Points (n, 2) of a line (k, 2) that is straight enough there for a number, and points (n, 7, 2) of the number."""
-    along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
-    if along[-1] < LINE_LENGTH_MINIMUM * extent:
-        return np.zeros((0, 2)), np.zeros((0, 7, 2))
-    middles = np.arange(
-        0.5 * LINE_LENGTH_MINIMUM * extent, along[-1] - 0.5 * LINE_LENGTH_MINIMUM * extent + 1e-9, CANDIDATE_STEP
-    )
-
-    def at(distances: Array) -> Array:
-        return np.stack([np.interp(distances, along, values) for values in line.T], axis=1)
-
-    centres, first, last = at(middles), at(middles - 0.5 * extent), at(middles + 0.5 * extent)
-    chord = last - first
-    straight = np.hypot(*chord.T) > CHORD_MINIMUM * extent
-    offsets = np.linspace(-0.5, 0.5, 7)[None, :, None]
-    return centres[straight], (centres[:, None] + offsets * chord[:, None])[straight]
-
-
-def length(text: str, size: float) -> float:
-    """Length of a number [pt] at a size of the type [pt]."""
-    return size * sum(POINT_WIDTH if character == "." else DIGIT_WIDTH for character in text)
-
-
-def points_per_unit(axes: Axes) -> Array:
-    """Size of the units of both axes (2) [pt] on the laid-out page."""
-    figure, spec = axes.figure, axes.get_subplotspec()
-    rows, columns = spec.get_gridspec().get_geometry() if spec is not None else (1, 1)
-    width, height = 72.0 / figure.dpi * PANEL_SHARE * np.asarray(figure.bbox.size)
-    extent = np.array([np.ptp(axes.get_xlim()), np.ptp(axes.get_ylim())])
-    scale = np.array([width / columns, height / rows]) / extent
-    return np.full(2, scale[0]) if axes.get_aspect() == 1.0 else np.asarray(scale)

@@ -25,35 +25,13 @@ from ..result_layout import CONDITIONS
 from ..summary.curves import efficiency_chart, torque_name
 from ..summary.plausibility import TOLD_SHARE, range_notes
 from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS, roughness_words, value_name
-from .contact_pattern_chart import (
-    drop_short,
-    number_lines,
-    outlined,
-    points_per_unit,
-    triangulated,
-    without_border,
-    without_steep,
-)
+from .axes_style import label_axes, legend_of_curves, panel_titles, plain_axes, plain_bar, torque_colours
+from .contours import drop_short, number_lines, outlined, points_per_unit, triangulated, without_border, without_steep
 from .drawing_style import picture
-from .drawn_result import flank_views, require_result
-from .page import (
-    BODY_SIZE,
-    GREY,
-    INK,
-    SMALL_SIZE,
-    WIDTH,
-    evenly_chosen,
-    in_print,
-    label_axes,
-    legend_of_curves,
-    middle,
-    panel_titles,
-    plain_axes,
-    plain_bar,
-    torque_colours,
-)
-from .panel_grid import TORQUE_TOLERANCE, chosen_parts, panels
-from .tooth_view import ToothView, draw_flank, fine_grid
+from .page import in_print
+from .panel_grid import TORQUE_TOLERANCE, AxesChoice, chosen_parts, evenly_chosen, middle, panels, require_result
+from .style import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH
+from .tooth_view import ToothView, draw_flank, fine_grid, flank_views
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,27 +39,17 @@ if TYPE_CHECKING:
     from matplotlib.contour import ContourSet
     from matplotlib.figure import Figure
 
-    from .panel_grid import AxesChoice
 
-COLOUR_MAPS = {
-    "rolling_velocity": "Blues",
-    "sliding_velocity": "Oranges",
-    "slide_to_roll": "Purples",
-    "equivalent_radius": "Greys",
-    "lambda_ratio": "Greens",
-    "friction_coefficient": "YlOrRd",
-    "flash_temperature": "Reds",
-    "pressure_velocity": "PuBuGn",
-}
-QUANTITY_NAMES = {
-    "rolling_velocity": "rolling velocity [m/s]",
-    "sliding_velocity": "sliding velocity [m/s]",
-    "slide_to_roll": "slide-to-roll ratio",
-    "equivalent_radius": "equivalent radius [mm]",
-    "lambda_ratio": "lambda ratio",
-    "friction_coefficient": "friction coefficient",
-    "flash_temperature": "flash temperature [K]",
-    "pressure_velocity": "pressure × velocity [MPa m/s]",
+#: Name and colour map of every quantity.
+QUANTITIES = {
+    "rolling_velocity": ("rolling velocity [m/s]", "Blues"),
+    "sliding_velocity": ("sliding velocity [m/s]", "Oranges"),
+    "slide_to_roll": ("slide-to-roll ratio", "Purples"),
+    "equivalent_radius": ("equivalent radius [mm]", "Greys"),
+    "lambda_ratio": ("lambda ratio", "Greens"),
+    "friction_coefficient": ("friction coefficient", "YlOrRd"),
+    "flash_temperature": ("flash temperature [K]", "Reds"),
+    "pressure_velocity": ("pressure × velocity [MPa m/s]", "PuBuGn"),
 }
 GRID = (121, 61)
 LEVEL_COUNT = 7
@@ -196,7 +164,8 @@ def draw_panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, leve
     """Draw a map on an empty flank, with its name and range above and a colour bar beside it."""
     draw_flank(axes, view, labels=(False, False))
     axes.tick_params(bottom=False, left=False, labelleft=False)
-    shading = draw_values(axes, view, flank_map, COLOUR_MAPS[name], levels)
+    title, colours = QUANTITIES[name]
+    shading = draw_values(axes, view, flank_map, colours, levels)
     if shading is not None:
         figure: Any = axes.get_figure(root=True)
         plain_bar(figure.colorbar(shading, ax=axes, shrink=0.75, aspect=14, pad=0.02), "")
@@ -205,12 +174,12 @@ def draw_panel(axes: Axes, view: ToothView, name: str, flank_map: FlankMap, leve
         low, high = float(finite.min()), float(finite.max())
         digits = int(np.clip(2 - np.floor(np.log10(max(high, 1e-9))), 0, 6))
         extent = f"{low:.{digits}f} to {high:.{digits}f}"
-    panel_titles(axes, QUANTITY_NAMES[name], extent)
+    panel_titles(axes, title, extent)
 
 
-def chosen_condition(friction: xr.Dataset) -> dict[str, float]:
-    """Middle torque, speed, temperature and roughness of a result."""
-    return {name: float(friction[name].values[middle(friction[name].values)]) for name in CONDITIONS}
+def middle_condition(friction: xr.Dataset) -> dict[str, int]:
+    """Numbers of the middle torque, speed, temperature and roughness of a result."""
+    return {name: middle(friction[name].values) for name in CONDITIONS}
 
 
 def roughness_name(friction: xr.Dataset | xr.DataArray, index: int) -> str:
@@ -263,8 +232,8 @@ def friction_maps(
     view = flank_views(tree, "gear")[0]
     conditions = {"torque": torque, "speed": speed, "temperature": temperature, "roughness": roughness}
     friction, loaded = tree["friction"].to_dataset(), tree["loaded"].to_dataset()
-    at = chosen_condition(friction) | _given(friction, conditions or {})
-    index = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
+    index = middle_condition(friction) | _given(friction, conditions)
+    at = {name: float(friction[name].values[number]) for name, number in index.items()}
     subset, under_load = friction.isel(index), loaded.isel(torque=index["torque"])
     maps = velocity_maps(tree, view, at["speed"], FrictionModel(rolling_frame=friction.attrs["rolling_frame"]))
     force = subset["force"] if "force" in subset else under_load["force"]
@@ -290,8 +259,8 @@ def friction_maps(
     return subplots.figure
 
 
-def _given(friction: xr.Dataset, conditions: Mapping[str, float | None]) -> dict[str, float]:
-    """Values of the result that conditions ask for, by name; those that are ``None`` are left out."""
+def _given(friction: xr.Dataset, conditions: Mapping[str, float | None]) -> dict[str, int]:
+    """Numbers of the values of the result that conditions ask for, by name; those that are ``None`` are left out."""
     condition = {}
     for name, wanted in conditions.items():
         if wanted is None:
@@ -301,7 +270,7 @@ def _given(friction: xr.Dataset, conditions: Mapping[str, float | None]) -> dict
         if not near.size:
             there = ", ".join(f"{value:g}" for value in np.sort(values))
             raise InputError(f"{name} = {wanted:g}: must be one of the result's: {there} {CONDITION_UNITS[name]}")
-        condition[name] = float(values[near[0]])
+        condition[name] = int(near[0])
     return condition
 
 
@@ -313,16 +282,13 @@ MARKED_COUNT_LIMIT = 40  # computed points of a curve that are marked
 EFFICIENCY_SPAN_MINIMUM = 0.2  # [%] of the axis; less would exaggerate small differences
 
 
-def curves(
-    axes: Axes, friction: xr.Dataset, along: str, by: str, at: dict[str, float], *, on_page: bool = True
-) -> None:
+def curves(axes: Axes, friction: xr.Dataset, along: str, by: str, at: dict[str, int], *, on_page: bool = True) -> None:
     """Draw the efficiency along one operating condition, a curve a value of another, the rest as given.
 
     Marks are computed points; open ones have more than ``TOLD_SHARE`` of the loss beyond the formula's range.
     """
-    numbers = {name: int(np.argmax(friction[name].values == value)) for name, value in at.items()}
     chosen = evenly_chosen(friction[by].values, CURVE_COUNT_LIMIT)
-    chart = efficiency_chart(friction, along, by, numbers, chosen)
+    chart = efficiency_chart(friction, along, by, at, chosen)
     for index, curve, colour in zip(chosen, chart.curves, torque_colours(friction[by].values[chosen]), strict=True):
         x, y = curve.x, curve.y
         axes.plot(x, y, color=colour, linewidth=1.6, label=curve.name)
@@ -330,7 +296,7 @@ def curves(
             continue
         out = np.zeros(x.size, dtype=bool)
         if "extrapolated_share" in friction:
-            place = {name: number for name, number in numbers.items() if name != along} | {by: int(index)}
+            place = {name: number for name, number in at.items() if name != along} | {by: int(index)}
             out = friction["extrapolated_share"].isel(place).sortby(along).values >= TOLD_SHARE
         axes.plot(x[~out], y[~out], "o", color=colour, markersize=3.5)
         axes.plot(x[out], y[out], "o", color=colour, markersize=3.5, markerfacecolor="white")
@@ -356,9 +322,9 @@ def how_many(drawn: int, count: int, condition: str) -> str:
     return "" if drawn == count else f"{drawn} of {count} {PLURALS[condition]}"
 
 
-def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, float], *, on_page: bool = True) -> None:
+def over_the_cycle(axes: Axes, friction: xr.Dataset, at: dict[str, int], *, on_page: bool = True) -> None:
     """Draw the power loss over two mesh cycles as part of the input power, a curve a torque."""
-    fixed = {name: int(np.argmax(friction[name].values == at[name])) for name in at if name != "torque"}
+    fixed = {name: number for name, number in at.items() if name != "torque"}
     loss = 100.0 * (1.0 - friction["mesh_efficiency"].isel(fixed).transpose("torque", "mesh_position").values)
     torques = friction["torque"].values
     chosen = evenly_chosen(torques, CURVE_COUNT_LIMIT)
@@ -401,7 +367,7 @@ def efficiency(
     """
     require_result(tree, "loaded", "friction")
     friction = tree["friction"].to_dataset()
-    at = chosen_condition(friction)
+    at = middle_condition(friction)
     varied = [name for name in CONDITION_LABELS if friction.sizes[name] > 1]
     names = chosen_parts(["cycle", *varied], parts)
     rows, columns = -(-len(names) // 2), min(2, len(names))
@@ -422,8 +388,7 @@ def efficiency(
     return subplots.figure
 
 
-def title(axes: Axes, friction: xr.Dataset, at: dict[str, float], varied: tuple[str, ...]) -> None:
+def title(axes: Axes, friction: xr.Dataset, at: dict[str, int], varied: tuple[str, ...]) -> None:
     """Title of a panel: the conditions that do not vary in it."""
-    index = {name: int(np.argmax(friction[name].values == at[name])) for name in CONDITION_LABELS}
-    heading = ", ".join(value_name(friction, name, index[name]) for name in CONDITION_LABELS if name not in varied)
+    heading = ", ".join(value_name(friction, name, at[name]) for name in CONDITION_LABELS if name not in varied)
     axes.set_title(heading, loc="left", fontsize=BODY_SIZE - 0.5, color=GREY, pad=3)

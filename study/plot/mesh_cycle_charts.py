@@ -33,43 +33,29 @@ from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..summary.curves import CYCLE, Chart, root_stress_charts, torque_name, transmission_error_charts
 from ..summary.plausibility import edge_notes, jump_notes
+from .axes_style import label_axes, legend_of_curves, panel_titles, plain_axes, plain_bar, plain_legend, torque_colours
 from .drawing_style import picture
-from .drawn_result import flank_views, require_result
-from .page import (
-    BLUE,
-    FAINT,
-    GREEN,
-    GREY,
-    INK,
+from .page import SEPARATOR, in_print
+from .panel_grid import (
     PANEL_COUNT_LIMIT,
-    PRESSURE_MAP,
-    SEPARATOR,
-    SMALL_SIZE,
-    VERMILION,
-    WIDTH,
+    AxesChoice,
+    chosen_parts,
+    chosen_torques,
     evenly_chosen,
-    in_print,
-    label_axes,
-    legend_of_curves,
-    panel_titles,
-    plain_axes,
-    plain_bar,
-    plain_legend,
-    torque_colours,
+    panels,
+    require_result,
 )
-from .panel_grid import chosen_parts, chosen_torques, panels
-from .tooth_view import ToothView, draw_flank, shared_aspect, side_by_side
+from .style import BLUE, FAINT, GREEN, GREY, INK, PRESSURE_MAP, SMALL_SIZE, VERMILION, WIDTH
+from .tooth_view import ToothView, draw_flank, flank_views, shared_aspect, side_by_side
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.tri import TriContourSet
 
-    from .panel_grid import AxesChoice
 
 #: Panels, with their heights on a page [in].
 HEIGHTS = {"unloaded": 2.5, "loaded": 2.3, "about_mean": 2.3, "orders": 2.3}
-ERROR_PARTS = tuple(HEIGHTS)
 NAMED_TORQUE_LIMIT = 8  # in the legend
 ORDER_COLOURS, ORDER_MARKS = (BLUE, VERMILION, GREEN, GREY), ("o", "s", "^", "D")
 NAMED_STYLE: dict[str, Any] = {"linewidth": 1.6, "zorder": 3}
@@ -119,11 +105,10 @@ def transmission_error(
     unloaded, loaded = tree["unloaded"].to_dataset(), tree["loaded"].to_dataset()
     if torque is not None:
         loaded = loaded.isel(torque=chosen_torques(loaded["torque"].values, torque, 0))
-    names = chosen_parts(ERROR_PARTS, parts)
+    names = chosen_parts(tuple(HEIGHTS), parts)
     note = "rotation of the gear, positive where the gear lags"
     heights = [HEIGHTS[name] for name in names]
-    layout: dict[str, Any] = {"height_ratios": heights}
-    subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), axes, **layout)
+    subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), axes, height_ratios=heights)
     over_time = [name for name in names if name != "orders"]
     charts = {one.name: one for one in transmission_error_charts(unloaded, loaded, np.arange(loaded.sizes["torque"]))}
     for panel, name in zip(subplots.axes, names, strict=True):

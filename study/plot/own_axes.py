@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
 
-from .page import BODY_SIZE
+from .style import BODY_SIZE
 from .tooth_view import EDGE_NAME, tick_step
 
 COLOUR_BAR_SHARE = 0.2  # of the width that a layout may still take for a colour bar and the labels of an axis

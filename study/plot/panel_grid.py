@@ -1,4 +1,4 @@
-"""Panels of a picture: on a page of their own, or on axes of the caller."""
+"""Panels of a picture, on a page of their own or on axes of the caller, and what of a result they show."""
 
 from __future__ import annotations
 
@@ -13,16 +13,29 @@ from numpy.typing import NDArray
 from ...core.arrays import Integers
 from ...core.checks import distinct, words
 from ...core.errors import InputError, suggestion
-from .page import evenly_chosen, page
+from ..result_layout import VARIABLES
+from .page import page
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    #: One Axes of the caller, or as many as a picture has panels; a page of its own if ``None``.
-    AxesChoice: TypeAlias = Axes | Iterable[Axes] | None
 
+#: One Axes of the caller, or as many as a picture has panels; a page of its own if ``None``.
+AxesChoice: TypeAlias = "Axes | Iterable[Axes] | None"
+PANEL_COUNT_LIMIT = 6
 TORQUE_TOLERANCE = 1e-6  # relative, between a torque as it is given and that of a result
+
+
+#: What makes a group that not every result has.
+MADE_BY = {
+    "friction": "give a speed: analyze(..., speed=1500.0), or 'easeoff run --speed 1500'",
+    "root_stress": "finite-element teeth have it: compliance.model = 'fe' in the case",
+    "optimization": "it must be a result of 'easeoff modify'",
+    "front": "'easeoff optimize --form pareto' makes it",
+    "optimal_settings": "it must be a result of 'easeoff optimize'",
+    "load_cases": "it must be a result over load cases",
+}
 
 
 @dataclass(frozen=True)
@@ -70,6 +83,18 @@ def _flat(own: Any) -> list[Any]:
     return [axes for part in own for axes in _flat(part)] if isinstance(own, list | tuple) else [own]
 
 
+def evenly_chosen(values: NDArray[Any], most: int = PANEL_COUNT_LIMIT) -> Integers:
+    """Indices of at most ``most`` values (n), rising with the values, spread evenly with both ends."""
+    order = np.argsort(values, kind="stable")
+    ranks = np.unique(np.linspace(0, order.size - 1, min(most, order.size)).round().astype(int))
+    return np.asarray(order[ranks], dtype=np.int64)
+
+
+def middle(values: NDArray[Any]) -> int:
+    """Number of the middle one of values (n), the lower of two."""
+    return int(np.argsort(values)[(values.size - 1) // 2])
+
+
 def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None, most: int) -> Integers:
     """Indices of the wanted among torques (n) [N m]; if none is wanted, of at most ``most``, spread evenly."""
     if wanted is None:
@@ -95,3 +120,15 @@ def chosen_parts(known: Sequence[str], wanted: str | Sequence[str] | None, key: 
     if not names:
         raise InputError(f"{key}: must name one at least of {', '.join(known)}")
     return names
+
+
+def require_result(tree: object, *groups: str) -> None:
+    """Refuse anything but a result that has the groups which the figure shows."""
+    if not isinstance(tree, xr.DataTree) or not ("load_cases" in tree.children or VARIABLES.keys() <= {*tree.children}):
+        raise InputError("tree: must be a result of 'easeoff run' or analyze")
+    for group in groups or ("loaded",):
+        if group not in tree.children:
+            hint = MADE_BY.get(group, "draw that of one load case, in its group 'results'")
+            if group == "root_stress" and "root_stress_left_out" in tree.attrs:
+                hint = str(tree.attrs["root_stress_left_out"])
+            raise InputError(f"tree: the result has no group {group!r}: {hint}")

@@ -18,28 +18,15 @@ from ..summary.quantities import TITLES, UNIT_SIGNS
 from ..summary.sweep_report import outcome
 from ..sweep.reductions import LOADS, ROWS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
 from ..sweep.sweep_file import is_sweep
+from .axes_style import legend_at_foot, plain_axes, plain_bar, plain_legend, torque_colours
 from .drawing_style import picture
-from .page import (
-    BLUE,
-    BODY_SIZE,
-    FAINT,
-    GREY,
-    INK,
-    VERMILION,
-    evenly_chosen,
-    legend_at_foot,
-    plain_axes,
-    plain_bar,
-    plain_legend,
-    torque_colours,
-)
-from .panel_grid import chosen_parts, panels
+from .panel_grid import AxesChoice, chosen_parts, evenly_chosen, panels
+from .style import BLUE, BODY_SIZE, FAINT, GREY, INK, VERMILION
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .panel_grid import AxesChoice
 
 #: Numbers that are drawn, where a sweep has them.
 DRAWN = (
@@ -158,10 +145,15 @@ def _grids(dataset: xr.Dataset) -> list[str]:
     return sorted(dims, key=lambda dim: (dim not in point_axes, -dataset.sizes[dim]))
 
 
+def _unit(variable: xr.DataArray) -> str:
+    """Unit of a variable as pictures show it."""
+    unit = str(variable.attrs.get("units", ""))
+    return UNIT_SIGNS.get(unit, unit)
+
+
 def _label(dataset: xr.Dataset, name: str) -> str:
     """A coordinate with its unit."""
-    unit = str(dataset[name].attrs.get("units", ""))
-    unit = UNIT_SIGNS.get(unit, unit)
+    unit = _unit(dataset[name])
     words = {"torque": "torque at the pinion", "Sigma": "Σ"}.get(name, name)
     return f"{words} [{unit}]" if unit else words
 
@@ -182,8 +174,7 @@ def _reduced(dataset: xr.Dataset, name: str, keep: tuple[str, ...]) -> tuple[xr.
         if dataset.sizes[dim] > 1:
             value = dataset[dim].values[middle]
             words = f"{value:.4g}" if dataset[dim].dtype.kind in "fiu" else str(value)
-            unit = str(dataset[dim].attrs.get("units", ""))
-            said.append(f"{dim} {words} {UNIT_SIGNS.get(unit, unit)}".strip())
+            said.append(f"{dim} {words} {_unit(dataset[dim])}".strip())
     return variable.transpose(*[dim for dim in keep if dim in variable.dims]), said
 
 
@@ -358,11 +349,8 @@ def _tornado(dataset: xr.Dataset, names: list[str], own: AxesChoice) -> Figure:
     effects = _effects(dataset, names)
     first = effects[0][1]
     at = {dim: -1 for dim in first["effect"].dims if dim != "coordinate"}
-    said = [
-        f"{dim} {first[dim].values[-1]:g} {UNIT_SIGNS.get(unit := str(first[dim].attrs.get('units', '')), unit)}"
-        for dim in at
-        if dim in first.coords and first.sizes[dim] > 1
-    ]
+    several = [dim for dim in at if dim in first.coords and first.sizes[dim] > 1]
+    said = [f"{dim} {first[dim].values[-1]:g} {_unit(first[dim])}" for dim in several]
     note = ", ".join([*said, "change with one standard deviation of the samples, or half the range of the grid"])
     bars = min(BAR_LIMIT, first.sizes["coordinate"])
     figure, grid = _panels(dataset, "Sensitivities, first order", len(effects), 0.9 + 0.28 * bars, note, own)
@@ -384,7 +372,6 @@ def _tornado(dataset: xr.Dataset, names: list[str], own: AxesChoice) -> Figure:
 def _bar_label(dataset: xr.Dataset, one: xr.Dataset, place: int) -> str:
     """A coordinate with its scale: of a key of the case file the member and the setting."""
     coordinate = str(one["coordinate"].values[place])
-    unit = str(dataset[coordinate].attrs.get("units", ""))
     parts = coordinate.split(".")
     name = coordinate if len(parts) == 1 else f"{parts[0]} {parts[-1].replace('_', ' ')}"
-    return f"{name}\n±{one['scale'].values[place]:.3g} {UNIT_SIGNS.get(unit, unit)}".strip()
+    return f"{name}\n±{one['scale'].values[place]:.3g} {_unit(dataset[coordinate])}".strip()

@@ -17,8 +17,10 @@ from ...contact.evaluation.flank_region import ProjectionPlane
 from ...contact.lines.contact_lines import boundary_distance, contact_splines
 from ...contact.lines.flank_splines import FlankSplines
 from ...core.arrays import Array
+from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName
-from .page import GREY, INK, PAPER, SMALL_SIZE
+from .panel_grid import chosen_parts
+from .style import GREY, INK, PAPER, SMALL_SIZE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,6 +85,13 @@ def tooth_view(tree: xr.DataTree, member: MemberName = "gear") -> ToothView:
     flanks, ease_off = tree["flanks"].to_dataset(), tree["ease_off"].to_dataset()
     fields = contact_splines(flanks, ease_off)
     return ToothView(ProjectionPlane.of(flanks, member), fields, common_flank(fields), member)
+
+
+def flank_views(tree: xr.DataTree, member: str | None = None) -> tuple[ToothView, ...]:
+    """Views of the flanks of gear and pinion, or of one of them."""
+    names: tuple[MemberName, ...] = ("gear", "pinion")
+    chosen = chosen_parts(MEMBERS, member, "member")
+    return tuple(tooth_view(tree, name) for name in names if name in chosen)
 
 
 def fine_grid(shape: tuple[int, int] = FINE_GRID) -> Array:

@@ -24,34 +24,20 @@ from ...geometry.deviation.corrective_settings import CorrectedFlank, Correction
 from ..case_correction import CaseCorrection
 from ..summary.curves import torque_name
 from ..summary.quantities import TITLES
-from .contact_pattern_chart import number_lines, outlined
+from .axes_style import label_axes, plain_axes, plain_bar, plain_legend
+from .contact_pattern_chart import draw_path, legend_below, unloaded_pattern
+from .contours import number_lines, outlined
 from .drawing_style import drawing, picture
-from .drawn_result import flank_views, require_result
-from .page import (
-    BLUE,
-    FAINT,
-    GREY,
-    INK,
-    SMALL_SIZE,
-    VERMILION,
-    WIDTH,
-    label_axes,
-    plain_axes,
-    plain_bar,
-    plain_legend,
-    save,
-)
-from .panel_grid import chosen_parts, panels
-from .pattern_lines import contact_pattern, draw_path, legend_below
-from .picture_files import FORMATS
-from .tooth_view import ToothView, draw_flank, fine_grid
+from .page import FORMATS, save
+from .panel_grid import AxesChoice, chosen_parts, panels, require_result
+from .style import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH
+from .tooth_view import ToothView, draw_flank, fine_grid, flank_views
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.contour import QuadContourSet
     from matplotlib.figure import Figure
 
-    from .panel_grid import AxesChoice
 
 FLANK_STATES = {"before": "measured", "after": "predicted after the correction"}
 HEIGHT_SHARE = 0.36  # of the sheet's height over its length, as drawn
@@ -180,15 +166,8 @@ def _draw_scale(axes: Axes, scale: float, largest: float) -> None:
     power = 10.0 ** np.floor(np.log10(largest))
     length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= largest)
     axes.plot([1.16] * 2, [-BAR_SHARE, scale * length - BAR_SHARE], color=INK, linewidth=1.6, solid_capstyle="butt")
-    axes.text(
-        1.16,
-        scale * length - BAR_SHARE + 0.015,
-        f"{length:g} µm",
-        ha="center",
-        va="bottom",
-        fontsize=SMALL_SIZE,
-        color=INK,
-    )
+    style: dict[str, Any] = {"ha": "center", "va": "bottom", "fontsize": SMALL_SIZE, "color": INK}
+    axes.text(1.16, scale * length - BAR_SHARE + 0.015, f"{length:g} µm", **style)
 
 
 CHANGE_MAP = "RdBu_r"  # red where the gap grows
@@ -399,7 +378,7 @@ def ease_off(tree: xr.DataTree, *, axes: AxesChoice = None) -> Figure | None:
     panel = subplots.axes[0]
     draw_flank(panel, view)
     draw_map(panel, view, mapped, levels)
-    pattern = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
+    pattern = unloaded_pattern(tree["unloaded"].to_dataset(), view.fields)
     draw_path(panel, view, pattern)
     entries = [
         Line2D([], [], color=INK, linewidth=0.7, label="ease-off [µm], a gap along the normal"),

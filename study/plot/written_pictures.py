@@ -1,40 +1,41 @@
-"""Pictures of a result as files.
-
-Pictures of a result: which there are, and the function that draws each.
-
-File of a result of any kind, read to be drawn.
-"""
+"""Pictures of a result as files: which there are, their names, and marks by which earlier ones are known."""
 
 from __future__ import annotations
 
+import hashlib
+import json
 import os
+import re
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import xarray as xr
 
+from ...contact.evaluation.marking_print import checked_thickness
 from ...core.checks import distinct, file_path, one_of, whole
-from ...core.errors import InputError
+from ...core.errors import InputError, printable
 from ...core.netcdf_file import tree_or_none
-from ...core.regular_file import named
-from ..result import checked_result, read_result
-from ..result_layout import VARIABLES, require_layout
+from ..result import checked_given, read_result
+from ..result_layout import VARIABLES
 from ..summary.deflection_report import misalignment_over_torque
 from ..sweep.sweep_file import checked_sweep, is_sweep
 from .contact_pattern_chart import contact_pattern
 from .drawing_style import drawing
 from .friction_charts import efficiency, friction_maps
 from .mesh_cycle_charts import load_sharing, pressure, root_stress, transmission_error
-from .picture_files import FORMATS, file_prefix, pictures_of_results, result_mark, save_picture
-from .study_charts import front, load_cases, misalignment, wear
+from .page import FORMATS, save
+from .panel_grid import chosen_parts, chosen_torques
+from .study_charts import front, load_cases, misalignment, vh_check, wear
 from .sweep_charts import PICTURES as SWEEP_PICTURES, pictures as pictures_of_sweep, sweep
 from .topography_chart import deviations, ease_off, optimization
-from .vh_chart import vh_check
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
 
 Drawing = Callable[..., "Figure"]
 
@@ -106,11 +107,7 @@ def kind_of(name: str) -> tuple[str, ...]:
 
 
 def draw_picture(
-    result: xr.DataTree | xr.Dataset,
-    name: str,
-    *,
-    torque: Sequence[float] | None = None,
-    marking: float | None = None,
+    result: xr.DataTree | xr.Dataset, name: str, *, torque: Sequence[float] | None = None, marking: float | None = None
 ) -> Figure:
     """Picture of a result on a page of its own, by a name of ``pictures``.
 
@@ -192,8 +189,6 @@ def write_pictures(
     if dpi is not None:
         dpi = whole("dpi", dpi, DPI_MINIMUM, DPI_LIMIT)
     if marking is not None:
-        from ...contact.evaluation.marking_print import checked_thickness
-
         checked_thickness(marking)
     torques = None if torque is None else distinct("torque", torque, "N m").tolist()
     parts = list(_parts(result, file_path("folder", folder), flank))
@@ -247,8 +242,6 @@ def _chosen(
     results: Sequence[xr.DataTree | xr.Dataset], names: str | Sequence[str] | None, torques: Sequence[float] | None
 ) -> list[tuple[str, ...]]:
     """Names of the pictures of each result; those that are asked for if one has them, before anything is drawn."""
-    from .panel_grid import chosen_parts
-
     there = [pictures(one) for one in results]
     known = tuple(dict.fromkeys(name for picture_names in there for name in picture_names))
     wanted = chosen_parts(known, names, "pictures")
@@ -261,8 +254,6 @@ def _chosen(
 
 def _require_torques(results: Sequence[xr.DataTree | xr.Dataset], torques: Sequence[float]) -> None:
     """Refuse torques for what has none to choose, and those that a result does not have."""
-    from .panel_grid import chosen_torques
-
     trees = [one for one in results if isinstance(one, xr.DataTree) and "loaded" in one.children]
     if len(trees) != len(results):
         raise InputError("torque: must go with a result of 'easeoff run' without load cases")
@@ -286,11 +277,79 @@ def read_drawn(path: str | os.PathLike[str]) -> xr.DataTree | xr.Dataset:
     tree = tree_or_none(path)
     if tree is None:
         return read_result(path)  # says what is wrong with the file
-    dataset = tree.to_dataset()
-    if is_sweep(dataset):
+    if is_sweep(dataset := tree.to_dataset()):
         return checked_sweep(dataset, path)
-    for sign, kind in (("print_excess", "V-H check"), ("wear_depth", "wear")):
-        if sign in dataset.variables:
-            require_layout(named(path), dataset, kind)
-            return dataset
-    return checked_result(tree, Path(path))
+    return checked_given(tree, Path(path))
+
+
+SOURCE = "easeoff: picture of a result"
+MARK_LENGTH = 16  # [characters]
+PREFIX_LENGTH_LIMIT = 80  # of the name of a case in the names of files [characters]
+MARKED_SIZE_LIMIT = 50_000_000  # of a file that may be a picture of a result [byte]
+_MARK = re.compile(rf"{SOURCE}, ([0-9a-f]{{{MARK_LENGTH}}})")
+
+
+def file_prefix(result: xr.DataTree | xr.Dataset) -> str:
+    """Begin of the names of a result's pictures: case, or numbers of teeth in an older result, and flank."""
+    attributes = result.attrs
+    teeth = (
+        f"{attributes['pinion_teeth']}x{attributes['gear_teeth']}"
+        if {"pinion_teeth", "gear_teeth"} <= attributes.keys()
+        else "result"
+    )
+    name = re.sub(r"[^\w.-]+", "_", str(attributes.get("case_name", "")))[:PREFIX_LENGTH_LIMIT].strip("._-") or teeth
+    swept = result.coords.get("flank") if isinstance(result, xr.Dataset) else None
+    flank = str(attributes.get("flank", "") if swept is None else swept.values.item() if swept.size == 1 else "")
+    return f"{name}-{flank}" if flank in ("drive", "coast") else name
+
+
+def result_mark(result: xr.DataTree | xr.Dataset) -> str:
+    """Mark of a result: the same for the same case, options, torques and groups, whenever it was computed."""
+    attributes = {str(key): np.asarray(value).tolist() for key, value in result.attrs.items() if key != "history"}
+    groups = sorted(result.children) if isinstance(result, xr.DataTree) else sorted(map(str, result.sizes.items()))
+    loads = result["loaded"]["torque"] if "loaded" in groups else result.coords.get("torque", xr.DataArray([]))
+    text = json.dumps([attributes, groups, np.asarray(loads).tolist()], sort_keys=True, default=str)
+    return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()[:MARK_LENGTH]
+
+
+def save_picture(figure: Figure, path: Path, result: xr.DataTree | xr.Dataset) -> Path:
+    """Write a picture of a result, marked with the result and the title of its case; returns and raises as ``save``."""
+    title = printable(str(result.attrs.get("title", "")))
+    return save(figure, path, {"Source": f"{SOURCE}, {result_mark(result)}", "Title": title})
+
+
+def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, tuple[str, str]]:
+    """Pictures in a folder: the titles of their cases, known of PNG files alone, and the marks of the results."""
+    pictures = {}
+    for path in sorted(Path(folder).iterdir()) if os.path.isdir(folder) else []:
+        if path.suffix[1:] not in FORMATS or not path.is_file():
+            continue
+        title, source = _png_marks(path) if path.suffix == ".png" else ("", _text_source(path))
+        mark = _MARK.fullmatch(source)
+        if mark is not None:
+            pictures[path] = (title, mark[1])
+    return pictures
+
+
+def _png_marks(path: Path) -> tuple[str, str]:
+    """Title and source of a PNG file; empty if it is none, or damaged."""
+    from PIL import Image
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            with Image.open(path) as image:
+                return str(image.info.get("Title", "")), str(image.info.get("Source", ""))
+    except Exception:  # no picture, or a damaged or hostile one
+        return "", ""
+
+
+def _text_source(path: Path) -> str:
+    """Source of an SVG or PDF file, where it stands as text; empty if it has none."""
+    try:
+        if path.stat().st_size > MARKED_SIZE_LIMIT:
+            return ""
+        mark = _MARK.search(path.read_text(encoding="latin-1"))
+    except OSError:
+        return ""
+    return mark[0] if mark else ""

@@ -39,15 +39,9 @@ from ..compare.method_statistics import (
     time_of,
     work_precision,
 )
-from ..plot.page import (
-    GREY,
-    INK,
-    SMALL_SIZE,
-    label_axes,
-    plain_axes,
-    save,
-    titled_sheet,
-)
+from ..plot.axes_style import label_axes, plain_axes
+from ..plot.page import save, titled_sheet
+from ..plot.style import GREY, INK, SMALL_SIZE
 from .comparison_report import FIGURE_FOLDER, FIGURE_FORMATS, Picture, group_of, size_groups
 
 #: Okabe and Ito's colours without yellow, which is too faint for lines; the first is for the native solver.

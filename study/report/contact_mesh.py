@@ -28,7 +28,7 @@ from ...geometry.formats.mesh import vtu_file
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import tooth_patches
-from ..plot.drawn_result import require_result
+from ..plot.panel_grid import require_result
 from ..plot.tooth_view import ToothView, fine_grid, tooth_view
 from .flank_pictures import gear_raster, rasterised
 from .mesh_scene import flank_places, loaded_patch, member_turns, pair_of_result, placed, turned
@@ -291,7 +291,7 @@ class TeethInMesh:
     @classmethod
     def of(cls, tree: xr.DataTree, torque: float | None, nodes: tuple[int, int]) -> TeethInMesh:
         """Teeth at a torque [N m], the greatest if it is ``None``."""
-        from ..plot.friction_charts import chosen_condition
+        from ..plot.friction_charts import middle_condition
         from ..plot.panel_grid import chosen_torques
 
         loaded = tree["loaded"].to_dataset()
@@ -304,9 +304,7 @@ class TeethInMesh:
         friction = None
         if "friction" in tree.children:
             whole = tree["friction"].to_dataset()
-            at = chosen_condition(whole)
-            friction = whole.isel({name: int(np.argmax(whole[name].values == at[name])) for name in list(at)[1:]})
-            friction = friction.isel(torque=index)
+            friction = whole.isel(middle_condition(whole) | {"torque": index})
         patches = {member: tooth_patches(pair, member, nodes) for member in MEMBER_NAMES}
         views = {member: tooth_view(tree, member) for member in MEMBER_NAMES}
         return cls(tree, loaded.isel(torque=index), friction, pair, patches, views)

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import ArrayLike
 
 from ...core.arrays import Array
-from ..plot.page import middle
+from ..plot.panel_grid import middle
 from ..summary.curves import CYCLE, Chart, capital
 from ..summary.plausibility import TOLD_SHARE
 from ..summary.quantities import FRICTION, LOADED, value_name

@@ -27,8 +27,8 @@ from ...core.errors import EaseoffError
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName, named_member
-from ..plot.page import evenly_chosen
-from ..plot.pattern_lines import contact_pattern
+from ..plot.contact_pattern_chart import unloaded_pattern
+from ..plot.panel_grid import evenly_chosen
 from ..plot.tooth_view import ToothView, fine_grid
 from ..result_layout import GRID
 from ..summary.curves import torque_name, wear_charts
@@ -154,7 +154,7 @@ def surface_fields(tree: xr.DataTree, views: tuple[ToothView, ...]) -> dict[str,
 def unloaded_marks(tree: xr.DataTree, views: tuple[ToothView, ...]) -> dict[str, Any]:
     """Contact lines, path of contact and marking print without load, and the pattern at light load."""
     unloaded = tree["unloaded"].to_dataset()
-    pattern = contact_pattern(unloaded, views[0].fields)
+    pattern = unloaded_pattern(unloaded, views[0].fields)
     error = CarryingError.of(unloaded, 2.0 * math.pi / tree.attrs["pinion_teeth"])
     thickness = float(unloaded.attrs["separation"])
     printed = MarkingPrint.of(views[0].fields, error, thickness, RASTER) if error.is_known else None

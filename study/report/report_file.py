@@ -25,7 +25,7 @@ from ...core.checks import instance
 from ...core.errors import InputError, printable
 from ...core.output_file import whole_file
 from ...friction.operation import named_models
-from ..plot.page import evenly_chosen, middle
+from ..plot.panel_grid import evenly_chosen, middle
 from ..plot.tooth_view import tooth_view
 from ..result import ACCEPTED, kind_of, require_kind
 from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, require_layout

@@ -309,7 +309,7 @@ def _search_notes(record: xr.Dataset) -> list[str]:
         )
     lines += [
         f"{attributes['analyses']} analyses, {attributes['differentiated_analyses']} of them with derivatives; "
-        f"{record.sizes['programme']} programmes; teeth built {attributes['teeth_built']} times",
+        f"{record.sizes['programme']} programmes; teeth built {attributes['teeth_built']} times"
     ]
     if attributes["violation"] > 0.0:
         lines.append(

@@ -23,8 +23,7 @@ from easeoff.study.cli import main
 from easeoff.study.cli.command import Command
 from easeoff.study.cli.result_commands import draw
 from easeoff.study.plot import written_pictures
-from easeoff.study.plot.picture_files import pictures_of_results
-from easeoff.study.plot.written_pictures import PICTURES
+from easeoff.study.plot.written_pictures import PICTURES, pictures_of_results
 from easeoff.study.result_layout import faults
 from easeoff.study.summary.result_summary import result_summary
 

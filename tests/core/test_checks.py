@@ -29,8 +29,7 @@ from easeoff.friction import ehl
 from easeoff.geometry import ease_off, formats, pair_geometry, tooth_angle
 from easeoff.study.analysis.setting_derivatives import chosen_settings
 from easeoff.study.case_in_mesh import CaseInMesh
-from easeoff.study.plot.drawn_result import require_result
-from easeoff.study.plot.panel_grid import chosen_parts, chosen_torques, panels
+from easeoff.study.plot.panel_grid import chosen_parts, chosen_torques, panels, require_result
 from easeoff.study.sweep import percentiles
 
 

@@ -21,29 +21,18 @@ from scipy.optimize import brentq
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.evaluation.tooth_passage import ToothPassage, tooth_passage, two_cycles
 from easeoff.core.output_file import whole_file
-from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
-from easeoff.study.plot.page import (
-    BLUE,
-    BODY_SIZE,
-    FAINT,
-    GREEN,
-    GREY,
-    INK,
-    SMALL_SIZE,
-    VERMILION,
-    WIDTH,
-    plain_axes,
-    plain_bar,
-    sheet,
-)
-from easeoff.study.plot.pattern_lines import (
+from easeoff.study.plot.axes_style import plain_axes, plain_bar
+from easeoff.study.plot.contact_pattern_chart import (
     ContactPattern,
-    contact_pattern,
     draw_path,
     draw_pattern,
     legend_below,
     path_beyond,
+    unloaded_pattern,
 )
+from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
+from easeoff.study.plot.page import sheet
+from easeoff.study.plot.style import BLUE, BODY_SIZE, FAINT, GREEN, GREY, INK, SMALL_SIZE, VERMILION, WIDTH
 from easeoff.study.plot.tooth_view import ToothView, draw_flank, tooth_view
 from easeoff.study.plot.topography_chart import contour_levels, draw_map, ease_off_map
 
@@ -173,7 +162,7 @@ def thinned(pattern: ContactPattern, every: int) -> ContactPattern:
 def pattern_of_the_pair(tree: xr.DataTree) -> Figure:
     """Figure 2.10: paths, the lines at both transfers, and where all three pairs stand at these moments."""
     view = tooth_view(tree)
-    whole = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
+    whole = unloaded_pattern(tree["unloaded"].to_dataset(), view.fields)
     pattern = thinned(whole, 2)
     separation = tree["unloaded"].attrs["separation"]
     big, small = (WIDTH - 0.9) * view.aspect + 1.05, (WIDTH - 0.6) / 3.0 * view.aspect + 0.35
@@ -226,7 +215,7 @@ def patterns(panels: list[tuple[str, str, xr.DataTree]]) -> Figure:
     figure = sheet(rows * ((WIDTH - 1.2) / 2.0 * views[0].aspect + 0.27) + 0.75)
     grid = figure.subplots(rows, 2)
     for number, (axes, view, (name, where, tree)) in enumerate(zip(grid.flat, views, panels, strict=True)):
-        pattern = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
+        pattern = unloaded_pattern(tree["unloaded"].to_dataset(), view.fields)
         draw_pattern(axes, view, thinned(pattern, 3), labels=(number >= len(panels) - 2, number % 2 == 0))
         quiet_edges(axes, number < len(panels) - 2)
         title(axes, name, where)
@@ -303,7 +292,7 @@ def ease_offs(panels: list[tuple[str, str, xr.DataTree]]) -> Figure:
     for number, (axes, view, values, (name, where, tree)) in enumerate(zip(grid, views, mapped, panels, strict=True)):
         draw_flank(axes, view, labels=(number == len(panels) - 1, True))
         shading = draw_map(axes, view, values, levels) or shading
-        draw_path(axes, view, contact_pattern(tree["unloaded"].to_dataset(), view.fields))
+        draw_path(axes, view, unloaded_pattern(tree["unloaded"].to_dataset(), view.fields))
         title(axes, name, where)
     if shading is not None:
         bar = figure.colorbar(shading, ax=list(grid), shrink=0.75, aspect=28, pad=0.015, extendfrac=0)

@@ -16,7 +16,7 @@ import easeoff
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.lines.contact_lines import boundary_distance
 from easeoff.geometry import Misalignment
-from easeoff.study.plot.pattern_lines import ContactPattern, contact_pattern
+from easeoff.study.plot.contact_pattern_chart import ContactPattern, unloaded_pattern
 from easeoff.study.plot.tooth_view import ToothView, tooth_view
 from easeoff.study.summary.curves import torque_name
 
@@ -107,7 +107,7 @@ def place(lengthwise: float) -> str:
 def seen(tree: xr.DataTree) -> tuple[ToothView, ContactPattern]:
     """The gear flank of a result and the unloaded pattern on it."""
     view = tooth_view(tree)
-    return view, contact_pattern(tree["unloaded"].to_dataset(), view.fields)
+    return view, unloaded_pattern(tree["unloaded"].to_dataset(), view.fields)
 
 
 def centre(pattern: ContactPattern) -> tuple[float, float]:

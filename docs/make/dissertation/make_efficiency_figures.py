@@ -24,9 +24,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from easeoff.contact.evaluation.pressure_map import pressure_map
-from easeoff.study.plot.friction_charts import COLOUR_MAPS, QUANTITY_NAMES, draw_values
+from easeoff.study.plot.axes_style import plain_axes, plain_bar, torque_colours
+from easeoff.study.plot.friction_charts import QUANTITIES, draw_values
 from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
-from easeoff.study.plot.page import INK, SMALL_SIZE, WIDTH, plain_axes, plain_bar, torque_colours
+from easeoff.study.plot.style import INK, SMALL_SIZE, WIDTH
 from easeoff.study.plot.tooth_view import draw_flank
 
 HERE = Path(__file__).parent
@@ -84,8 +85,9 @@ def flank_maps(names: tuple[str, ...], direction: Direction = "across") -> Figur
             view, found, _ = maps(letter, direction)
             draw_flank(axes, view, labels=(False, False))
             axes.tick_params(bottom=False, left=False, labelleft=False)
-            draw_values(axes, view, found[name], COLOUR_MAPS[name], LEVELS[name])
-            title(axes, LETTERS[letter], QUANTITY_NAMES[name])
+            words, colours = QUANTITIES[name]
+            draw_values(axes, view, found[name], colours, LEVELS[name])
+            title(axes, LETTERS[letter], words)
     return figure
 
 

@@ -17,8 +17,10 @@ from easeoff.cases import gear_pair
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.evaluation.tooth_passage import two_cycles
 from easeoff.study.deviation_source import flank_deviations
+from easeoff.study.plot.axes_style import plain_axes, plain_bar
 from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
-from easeoff.study.plot.page import BLUE, GREY, INK, SMALL_SIZE, VERMILION, WIDTH, plain_axes, plain_bar, sheet
+from easeoff.study.plot.page import sheet
+from easeoff.study.plot.style import BLUE, GREY, INK, SMALL_SIZE, VERMILION, WIDTH
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 from easeoff.study.plot.topography_chart import draw_map, ease_off_map
 

@@ -15,8 +15,10 @@ from numpy.typing import NDArray
 
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.evaluation.tooth_passage import two_cycles
+from easeoff.study.plot.axes_style import plain_axes, plain_bar
 from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
-from easeoff.study.plot.page import BLUE, BODY_SIZE, GREEN, SMALL_SIZE, VERMILION, WIDTH, plain_axes, plain_bar, sheet
+from easeoff.study.plot.page import sheet
+from easeoff.study.plot.style import BLUE, BODY_SIZE, GREEN, SMALL_SIZE, VERMILION, WIDTH
 from easeoff.study.plot.tooth_view import ToothView, draw_flank, tooth_view
 from easeoff.study.plot.topography_chart import contour_levels, draw_map, ease_off_map
 

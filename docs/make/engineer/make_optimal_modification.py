@@ -20,8 +20,10 @@ from matplotlib.tri import Triangulation
 import easeoff
 from easeoff.contact.evaluation.pressure_map import PressureMap, pressure_map
 from easeoff.study.design.case_design import fit_modification, recorded_modification
+from easeoff.study.plot.axes_style import plain_bar
 from easeoff.study.plot.mesh_cycle_charts import pressure_levels
-from easeoff.study.plot.page import DPI, INK, SMALL_SIZE, plain_bar, sheet
+from easeoff.study.plot.page import DPI, sheet
+from easeoff.study.plot.style import INK, SMALL_SIZE
 
 PICTURES = IMAGES / "optimal_modification"
 PAGES = (GUIDES / "optimal_modification.md", NOTES / "modification_search.md")

@@ -39,8 +39,10 @@ from easeoff.contact.evaluation.pressure_map import Line, PressureMap, pressure_
 from easeoff.core.output_file import whole_file
 from easeoff.geometry import GearPair
 from easeoff.geometry.tooth.tooth_flanks import MemberName
+from easeoff.study.plot.axes_style import plain_bar
 from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
-from easeoff.study.plot.page import GREY, SMALL_SIZE, WIDTH, plain_bar, sheet
+from easeoff.study.plot.page import sheet
+from easeoff.study.plot.style import GREY, SMALL_SIZE, WIDTH
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 from easeoff.verification import (
     FlankContact,

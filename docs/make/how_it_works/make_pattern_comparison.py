@@ -13,8 +13,10 @@ from matplotlib.ticker import MaxNLocator
 import easeoff
 from easeoff.contact.evaluation.pressure_map import PressureMap, pressure_map
 from easeoff.geometry import Misalignment
+from easeoff.study.plot.axes_style import plain_bar
 from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
-from easeoff.study.plot.page import WIDTH, plain_bar, sheet
+from easeoff.study.plot.page import sheet
+from easeoff.study.plot.style import WIDTH
 from easeoff.study.plot.tooth_view import draw_flank, tooth_view
 from easeoff.study.summary.curves import torque_name
 

@@ -24,9 +24,14 @@ from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
 from easeoff.study.plot import written_pictures
 from easeoff.study.plot.friction_charts import loaded_map
 from easeoff.study.plot.page import small_print
-from easeoff.study.plot.picture_files import file_prefix, pictures_of_results, result_mark
 from easeoff.study.plot.tooth_view import EDGE_NAME
-from easeoff.study.plot.written_pictures import FURTHER_PICTURES, PICTURES
+from easeoff.study.plot.written_pictures import (
+    FURTHER_PICTURES,
+    PICTURES,
+    file_prefix,
+    pictures_of_results,
+    result_mark,
+)
 from easeoff.study.summary.curves import root_stress_charts
 from easeoff.study.sweep.sweep_file import write_sweep
 

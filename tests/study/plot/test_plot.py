@@ -27,7 +27,8 @@ from easeoff.friction import Operation, friction
 from easeoff.geometry import Misalignment
 from easeoff.study import CaseInMesh
 from easeoff.study.plot import write_pictures, written_pictures
-from easeoff.study.plot.contact_pattern_chart import (
+from easeoff.study.plot.contact_pattern_chart import bent_lines, unloaded_pattern
+from easeoff.study.plot.contours import (
     drop_short,
     label_points,
     outlined,
@@ -48,8 +49,8 @@ from easeoff.study.plot.mesh_cycle_charts import (
     share_passage,
     transmission_error,
 )
-from easeoff.study.plot.page import even_lines, evenly_chosen, small_print
-from easeoff.study.plot.pattern_lines import bent_lines, contact_pattern
+from easeoff.study.plot.page import even_lines, small_print
+from easeoff.study.plot.panel_grid import evenly_chosen
 from easeoff.study.plot.tooth_view import ToothView, tick_step, tooth_view
 from easeoff.study.plot.topography_chart import contour_levels, ease_off_map
 from easeoff.study.plot.written_pictures import PICTURES
@@ -371,7 +372,7 @@ def test_mean_number_of_pairs_counts_those_under_load() -> None:
 
 
 def test_pattern_lies_on_the_flank_and_within_its_outline(tree: xr.DataTree, view: ToothView) -> None:
-    pattern = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
+    pattern = unloaded_pattern(tree["unloaded"].to_dataset(), view.fields)
     assert len(pattern.ranges) == 1
     span = pattern.ranges[0]
     for points in (span.outline, span.path):
@@ -392,7 +393,7 @@ def test_pattern_lies_on_the_flank_and_within_its_outline(tree: xr.DataTree, vie
 def test_carrying_range_is_one_pitch_long(tree: xr.DataTree, view: ToothView) -> None:
     """From the pair before to the pair after it, the roll angle on the path grows by the pinion's pitch."""
     unloaded = tree["unloaded"].to_dataset()
-    pattern = contact_pattern(unloaded, view.fields)
+    pattern = unloaded_pattern(unloaded, view.fields)
     assert np.sum(pattern.carrying) == unloaded.sizes["mesh_position"]
     span = pattern.ranges[0]
     assert span.path.shape[1] == unloaded.sizes["mesh_position"] + 2
@@ -403,7 +404,7 @@ def test_carrying_range_is_one_pitch_long(tree: xr.DataTree, view: ToothView) ->
 
 
 def test_contact_lines_bend_with_the_roll_angle(tree: xr.DataTree, view: ToothView) -> None:
-    pattern = contact_pattern(tree["unloaded"].to_dataset(), view.fields)
+    pattern = unloaded_pattern(tree["unloaded"].to_dataset(), view.fields)
     lines = np.moveaxis(pattern.lines[np.isfinite(pattern.lines[:, 0, 0])], 1, 0)
     roll = view.fields("roll_angle", lines)
     assert np.max(np.ptp(roll, axis=-1)) < 1e-3
