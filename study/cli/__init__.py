@@ -16,16 +16,13 @@ import click
 
 from ...core import errors
 from ...core.errors import EaseoffError
+from .analysis_commands import run, sweep
 from .case_commands import cases, convert, design, new, oil, sheet
-from .command import EXIT_MISTAKE, PROGRAM, as_given
+from .command import EXIT_MISTAKE, PROGRAM, as_given, echo
 from .geometry_commands import correct, export
-from .optimize_command import optimize
 from .result_commands import cite, plot, report, show
-from .run_command import run
-from .shared_options import echo
 from .solver_commands import compare, library, problems
-from .study_commands import modify, verify, vh, wear
-from .sweep_command import sweep
+from .study_commands import modify, optimize, verify, vh, wear
 from .word_completion import completion
 
 

@@ -10,7 +10,6 @@ Command that writes the summary sheet of a case.
 from __future__ import annotations
 
 import os
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,19 +17,8 @@ import click
 
 from ...core.errors import EaseoffError, InputError
 from ..terminal_bar import working
-from .command import EXIT_UNCERTIFIED, Command, quick_start
-from .shared_options import (
-    case_argument,
-    check_output,
-    echo,
-    force_option,
-    keyed_numbers,
-    next_commands,
-    output_option,
-    outside_allowed,
-    problem_format_options,
-    reader,
-)
+from . import option
+from .command import Command, check_output, echo, end_uncertified, next_commands, outside_allowed, quick_start
 from .word_completion import design_names, template_names
 
 if TYPE_CHECKING:
@@ -49,7 +37,7 @@ TAKEN_BY = {
 @click.command(cls=Command)
 @click.argument("kind", type=click.Choice(list(TAKEN_BY)))
 @click.argument("name", required=False, shell_complete=template_names)
-@output_option(
+@option.output(
     "File to write: .toml, of load cases .csv.", required=False, show_default="NAME, if it is that of a file"
 )
 @click.option("--force", is_flag=True, help="Replace a file that was edited or written by hand.")
@@ -88,7 +76,7 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
 @click.option("--base-oil", required=True, metavar="BASE", help="mineral, pao, pag or ester.")
 @click.option("--title", metavar="TEXT", help="What the oil is.  [default: from the numbers]")
 @click.option("--source", metavar="TEXT", default="its data sheet", help="Where the numbers are from.")
-@output_option("TOML file to write, for --oil and the table [friction].")
+@option.output("TOML file to write, for --oil and the table [friction].")
 def oil(output: Path, **numbers: Any) -> None:
     """Make a lubricant's file from the numbers of a data sheet.
 
@@ -112,30 +100,10 @@ def oil(output: Path, **numbers: Any) -> None:
     next_commands(("run", "CASE", "-o", "RESULT.nc", "--speed", "SPEED", "--oil", output))
 
 
-STEPS = ("length", "angle", "roll", "modified_roll", "motion", "blade_radius", "blade_angle", "edge_radius")
-
-
-@reader
-def resolution(text: str) -> MachineResolution:
-    """Resolution of settings from an option."""
-    from ...geometry.cutting.named_settings import MachineResolution
-
-    return MachineResolution(**keyed_numbers(text, STEPS, "length=0.01,angle=0.01"))
-
-
-resolution_option = click.option(
-    "--resolution",
-    callback=resolution,
-    metavar="STEP=VALUE,...",
-    help="Steps of the settings in mm and degrees: length, angle, roll, modified_roll, motion, blade_radius, "
-    "blade_angle, edge_radius.  [default: 0.001 mm, 0.001 deg, ...]",
-)
-
-
 @click.command(cls=Command)
-@case_argument()
-@output_option("Sheet to write, .txt, .html or .rexs.")
-@resolution_option
+@option.case()
+@option.output("Sheet to write, .txt, .html or .rexs.")
+@option.resolution
 def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None:
     """Write the summary sheet of a case: what an operator sets.
 
@@ -201,12 +169,12 @@ def _measured_title(name: str) -> str:
 
 
 @click.command(cls=Command)
-@case_argument("design", complete=design_names)
-@output_option("Case file to write, .toml.")
-@force_option
+@option.case("design", complete=design_names)
+@option.output("Case file to write, .toml.")
+@option.force
 @click.option("--report", is_flag=True, help="Print the blanks, the moved settings and the remaining ease-off.")
 @click.option("--round", "rounding", is_flag=True, help="Write settings rounded to the resolution of the machine.")
-@resolution_option
+@option.resolution
 def design(
     design: str, output: Path, force: bool, report: bool, rounding: bool, resolution: MachineResolution | None
 ) -> None:
@@ -241,20 +209,19 @@ def design(
     for side, effect in effects.items():
         echo(effect_line(side, effect))
     if not findings.analysable:
-        echo("no analysis can take this case yet: a member has no whole tooth, see above", err=True)
-        sys.exit(EXIT_UNCERTIFIED)
+        end_uncertified(["no analysis can take this case yet: a member has no whole tooth, see above"])
     table = case.friction
     outside = table is not None and table.seen_from(output.parent).is_outside
     next_commands(("run", output, "-o", output.with_suffix(".nc"), *(["--allow-outside"] if outside else [])))
 
 
 @click.command(cls=Command)
-@case_argument("source", metavar="INPUT")
-@output_option(
+@option.case("source", metavar="INPUT")
+@option.output(
     "File to write: case file (.toml) or REXS file (.rexs, .xml); or contact problems (.nc, .mat, or a folder)."
 )
-@force_option
-@problem_format_options
+@option.force
+@option.problem_format
 def convert(source: str, output: Path, force: bool, format: str | None, form: str | None) -> None:
     """Convert cases or contact problems to another format.
 

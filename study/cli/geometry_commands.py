@@ -9,33 +9,70 @@ import click
 from click.core import ParameterSource
 
 from ..terminal_bar import working
-from .command import Command
-from .shared_options import (
-    case_argument,
-    check_folders,
-    check_output,
-    deviation_option,
-    echo,
-    flank_files,
-    force_option,
-    margins,
-    names,
-    nodes,
-    output_option,
-    outside_allowed,
-    plots_option,
-    teeth,
-    thicknesses,
-)
+from . import option
+from .command import Command, check_folders, check_output, echo, outside_allowed
+from .option_values import deviation_files, keyed_numbers, names, reader, two_counts
 
 #: Options of ``export`` that go with a result, and those that go with a case.
 CONTACT_OPTIONS = ("torque", "mesh_position")
 GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
 
 
+EDGES = ("toe", "heel", "root", "tip")
+THICKNESS_LIMIT = 1000.0  # of a measured departure [um]
+
+
+@reader
+def flank_files(texts: tuple[str, ...]) -> dict[str, tuple[str, ...]]:
+    """Files of measured flanks by member, at most one a flank."""
+    values: dict[str, tuple[str, ...]] = {}
+    for text in texts:
+        for member, file in deviation_files((text,)).items():
+            values[member] = (*values.get(member, ()), file)
+            if len(values[member]) > 2:
+                raise click.BadParameter(f"{text!r}: {member} comes more than twice; it has two flanks")
+    return values
+
+
+@reader
+def thicknesses(text: str) -> dict[str, float]:
+    """Measured excess of the tooth thickness by member [um]."""
+    values = keyed_numbers(text, ("pinion", "gear"), "gear=12.5")
+    for member, value in values.items():
+        if not abs(value) <= THICKNESS_LIMIT:
+            raise click.BadParameter(
+                f"{member}={value:g}: must lie between -{THICKNESS_LIMIT:g} and {THICKNESS_LIMIT:g} um"
+            )
+    return values
+
+
+@reader
+def nodes(text: str) -> tuple[int, int]:
+    """Numbers of nodes, lengthwise and along the profile."""
+    nodes = two_counts(text, "LENGTHWISExPROFILE, such as 61x31")
+    if min(nodes) < 5 or max(nodes) > 1001:
+        raise click.BadParameter(f"{text!r}: both numbers must lie between 5 and 1001")
+    return nodes
+
+
+@reader
+def teeth(text: str) -> int | str:
+    """Number of teeth, or ``all``."""
+    try:
+        return text if text == "all" else int(text)
+    except ValueError as error:
+        raise click.BadParameter(f"{text!r}: must be a number of teeth, or all") from error
+
+
+@reader
+def margins(text: str) -> dict[str, float]:
+    """Margins of a measuring grid [mm], by edge of the flank."""
+    return keyed_numbers(text, EDGES, "toe=3,root=1.2")
+
+
 @click.command(cls=Command)
-@case_argument("source", metavar="CASE|RESULT")
-@output_option(
+@option.case("source", metavar="CASE|RESULT")
+@option.output(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
     "(meshes). Of a RESULT: .vtu."
 )
@@ -138,14 +175,14 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
 
 
 @click.command(cls=Command)
-@case_argument()
+@option.case()
 @click.option(
     "--flank",
     type=click.Choice(["drive", "coast"]),
     show_default="all that the files hold",
     help="Correct these flanks only: drive (concave pinion, convex gear) or coast.",
 )
-@deviation_option(
+@option.deviation(
     "Measured grid of a member: a file, or the name of a shipped one. May be given for both members, and once for "
     "each flank of a member.",
     required=True,
@@ -172,9 +209,9 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
     help="By how much the normal thickness of the tooth was measured to be above the one designed, in um; of a shared "
     "set-up with both flanks measured.",
 )
-@output_option("Case file to write with the corrected settings.", required=False)
-@force_option
-@plots_option("Folder for topographies before and after.")
+@option.output("Case file to write with the corrected settings.", required=False)
+@option.force
+@option.plots("Folder for topographies before and after.")
 def correct(
     case: str, deviations: Any, set_up: str, output: Path | None, force: bool, plots: Path | None, **options: Any
 ) -> None:

@@ -11,8 +11,9 @@ import click
 
 from ...core.errors import printable
 from ..terminal_bar import working
-from .command import EXIT_UNCERTIFIED, Command, quick_start
-from .shared_options import check_output, echo, marking_option, names, next_commands, output_option, torque_option
+from . import option
+from .command import EXIT_UNCERTIFIED, Command, check_output, echo, next_commands, quick_start
+from .option_values import names
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -57,7 +58,7 @@ def show(result: Path) -> None:
 @click.command(cls=Command)
 @click.argument("result", type=click.Path(path_type=Path))
 @click.argument("folder", type=click.Path(path_type=Path), required=False)
-@output_option("Folder to write.", required=False, metavar="FOLDER")
+@option.output("Folder to write.", required=False, metavar="FOLDER")
 @click.option(
     "--pictures",
     callback=names,
@@ -65,7 +66,7 @@ def show(result: Path) -> None:
     show_default="all",
     help="Pictures to draw, such as pressure,transmission_error; a wrong name lists those of the result.",
 )
-@torque_option(
+@option.torque(
     "Torques of the result at the pinion in N m, for the pictures that show torques.", "up to six, spread evenly"
 )
 @click.option(
@@ -80,7 +81,7 @@ def show(result: Path) -> None:
 @click.option(
     "--dpi", type=click.IntRange(30, 1200), metavar="N", show_default="160", help="Dots per inch of PNG files."
 )
-@marking_option(default="that of the result")
+@option.marking(default="that of the result")
 def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None, **options: Any) -> None:
     """Draw pictures of RESULT into FOLDER.
 
@@ -108,7 +109,7 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
 
 @click.command(cls=Command)
 @click.argument("results", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RESULT...")
-@output_option("HTML file to write.", required=False, show_default="RESULT.html, if there is one")
+@option.output("HTML file to write.", required=False, show_default="RESULT.html, if there is one")
 @click.option("--author", metavar="NAME", default="", show_default=False, help="Who made the report, for its head.")
 def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
     """Write the report of one or several RESULTs as one HTML file.

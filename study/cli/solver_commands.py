@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections import Counter
 from functools import partial
 from pathlib import Path
@@ -10,19 +11,9 @@ from typing import Any
 import click
 
 from ..terminal_bar import count, terminal_bar
-from .analysis_options import analysis_options, check_cost, progress_bar, with_defaults
-from .command import Command
-from .shared_options import (
-    echo,
-    end_uncertified,
-    next_commands,
-    opened_case,
-    output_option,
-    problem_files,
-    problem_format_options,
-    solvers,
-    tolerances,
-)
+from . import option
+from .command import Command, check_cost, echo, end_uncertified, next_commands, opened_case, progress_bar
+from .option_values import number_list, reader, with_defaults
 from .word_completion import solver_list
 
 #: Attributes of an analysis that files of its contact problems have as well.
@@ -32,10 +23,39 @@ PROBLEM_ATTRIBUTES = (
 )
 
 
+@reader
+def solvers(text: str) -> list[str]:
+    """Names of solvers, each once."""
+    names = [name.strip() for name in text.split(",")]
+    for name in names:
+        if name and names.count(name) > 1:
+            raise click.BadParameter(f"{text!r}: {name} comes twice")
+    return names
+
+
+@reader
+def problem_files(paths: tuple[Path, ...]) -> tuple[Path, ...]:
+    """Files of contact problems, each once."""
+    whole = [os.path.realpath(path) for path in paths]
+    for path, real_path in zip(paths, whole, strict=True):
+        if whole.count(real_path) > 1:
+            raise click.BadParameter(f"{path} comes twice")
+        if os.path.isdir(path):
+            raise click.BadParameter(
+                f"{path} is a folder: give a file; 'easeoff convert {path} -o problems.nc' makes one of its problems"
+            )
+    return paths
+
+
+def tolerances(_ctx: click.Context, _param: click.Parameter, text: str | None) -> list[float]:
+    """Tolerances of a sweep; none if it is not wanted."""
+    return [] if text is None else number_list(text, "tolerances separated by commas, such as 1e-3,1e-6,1e-9")
+
+
 @click.command(cls=Command)
-@analysis_options
-@output_option("File to write, .nc or .mat; or, with --format, folder with a file for each problem.")
-@problem_format_options
+@option.analysis
+@option.output("File to write, .nc or .mat; or, with --format, folder with a file for each problem.")
+@option.problem_format
 def problems(
     case: str, output: Path, format: str | None, form: str | None, supports: str | None, **options: Any
 ) -> None:
@@ -91,7 +111,7 @@ def problems(
 
 
 @click.command(cls=Command)
-@output_option("Folder to write.", required=False, metavar="FOLDER", default="library")
+@option.output("Folder to write.", required=False, metavar="FOLDER", default="library")
 @click.option(
     "--parts",
     metavar="A,B,...",
@@ -111,7 +131,6 @@ def library(output: Path, parts: str | None) -> None:
     if chosen == ["all"]:
         chosen = list(PARTS)
     total = sum(entry.part in chosen for entry in entries())
-    bar: Any
     with terminal_bar(total=total, desc="library", unit="problem") as bar:
         written = write_library(output, chosen, progress=bar.update)
     for one in written:
@@ -125,7 +144,7 @@ def library(output: Path, parts: str | None) -> None:
 
 @click.command(cls=Command)
 @click.argument("problems", type=click.Path(path_type=Path), nargs=-1, required=True, callback=problem_files)
-@output_option("Folder to write.", required=False, metavar="FOLDER", default="comparison")
+@option.output("Folder to write.", required=False, metavar="FOLDER", default="comparison")
 @click.option(
     "--solvers",
     callback=solvers,
@@ -134,13 +153,9 @@ def library(output: Path, parts: str | None) -> None:
     show_default="all installed ones",
     help="Solvers to compare; MODULE:FUNCTION for one of your own.",
 )
-@click.option(
-    "--repetitions", type=int, metavar="N", default=3, help="Attempts with the same solver, settings and start."
-)
-@click.option("--time-limit", type=float, metavar="S", default=10.0, help="Time limit of an attempt in s.")
-@click.option(
-    "--tolerance", type=float, metavar="X", default=1e-5, help="Largest violation of a condition in a certified answer."
-)
+@click.option("--repetitions", metavar="N", default=3, help="Attempts with the same solver, settings and start.")
+@click.option("--time-limit", metavar="S", default=10.0, help="Time limit of an attempt in s.")
+@click.option("--tolerance", metavar="X", default=1e-5, help="Largest violation of a condition in a certified answer.")
 @click.option("--polish", is_flag=True, help="Also run the backends with one linear solve on the set they found.")
 @click.option("--raw", is_flag=True, help="Also run the backends in mm and N, with their own settings.")
 @click.option(
@@ -149,7 +164,7 @@ def library(output: Path, parts: str | None) -> None:
     metavar="X,Y,...",
     help="Also run the backends with these tolerances: time over certified accuracy.",
 )
-@click.option("--threads", type=int, metavar="N", default=1, help="Threads for linear algebra of each solver.")
+@click.option("--threads", metavar="N", default=1, help="Threads for linear algebra of each solver.")
 @click.option(
     "--time",
     type=click.Choice(["wall", "processor"]),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from functools import partial
 from pathlib import Path
@@ -10,43 +11,63 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ..terminal_bar import count, terminal_bar, working
-from .analysis_options import pair_options, show_stage, supports_option, unloaded_options, with_defaults
-from .command import EXIT_UNCERTIFIED, Command, quick_start
-from .result_commands import draw
-from .shared_options import (
-    DEFLECTION_FILE,
-    MISALIGNMENT,
-    case_argument,
+from . import option
+from .command import (
+    EXIT_UNCERTIFIED,
+    Command,
     check_folders,
     check_output,
-    coefficients,
-    duty_cycle,
     echo,
     end_uncertified,
-    flank_option,
-    force_option,
-    further_misalignments_option,
-    marking_option,
-    misalignment_option,
     next_commands,
     opened_case,
-    output_option,
-    plots_option,
-    reader,
-    solver_option,
-    torque_option,
-    two_counts,
+    quick_start,
+    show_stage,
 )
+from .option_values import by_member, number_list, reader, two_counts, with_defaults
+from .result_commands import draw
 
 if TYPE_CHECKING:
     from ...verification.verified_pair import VerificationRow
 
+
 OF_THE_LAW = ("revolutions", "largest_step", "largest_depth", "most_steps")  # options that a ``WearLaw`` takes
 
 
+@reader
+def duty_cycle(text: str) -> dict[float, float]:
+    """Shares of the revolutions by torque [N m], from a torque alone or TORQUE=SHARE separated by commas."""
+    wanted = "a torque in N m, or TORQUE=SHARE,..., such as 100=0.7,300=0.3; a decimal has a point"
+    shares: dict[float, float] = {}
+    parts = text.split(",")
+    for part in parts:
+        torque, equals, share = part.partition("=")
+        if len(parts) > 1 and not equals:
+            raise click.BadParameter(f"{text!r}: {part.strip()!r} has no share: must be {wanted}")
+        try:
+            key, value = float(torque), float(share) if equals else 1.0
+        except ValueError as error:
+            raise click.BadParameter(f"{part!r}: must be {wanted}") from error
+        if key in shares:
+            raise click.BadParameter(f"{text!r}: {key:g} comes twice")
+        shares[key] = value
+    return shares
+
+
+@reader
+def coefficients(text: str) -> tuple[float, float]:
+    """Wear coefficients of pinion and gear [mm^2/N]."""
+    entries = by_member(text, "a coefficient in mm^2/N", "1e-12/2e-12")
+    if not any(entries):
+        raise click.BadParameter(
+            f"{text!r}: nothing wears; must be greater than zero in mm^2/N, or PINION/GEAR, one of which may be 0"
+        )
+    return entries[0], entries[-1]
+
+
 @click.command(cls=Command)
-@pair_options
-@supports_option
+@option.pair
+@option.supports
 @click.option(
     "--torque",
     callback=duty_cycle,
@@ -65,23 +86,18 @@ OF_THE_LAW = ("revolutions", "largest_step", "largest_depth", "most_steps")  # o
     help="Archard's wear coefficient in mm^2/N; greater by orders of magnitude for lapping.",
 )
 @click.option(
-    "--largest-step",
-    type=float,
-    metavar="UM",
-    default=0.5,
-    help="Wear depth in um after which the contact is computed anew.",
+    "--largest-step", metavar="UM", default=0.5, help="Wear depth in um after which the contact is computed anew."
 )
 @click.option(
     "--largest-depth", type=float, metavar="UM", show_default="no limit", help="Wear depth in um at which to stop."
 )
 @click.option(
     "--most-steps",
-    type=int,
     metavar="N",
     default=1000,
     help="The most steps to take; wear that needs more is refused before it begins.",
 )
-@output_option("netCDF file to write.")
+@option.output("netCDF file to write.")
 def wear(case: str, coefficient: tuple[float, float], output: Path, supports: str | None, **options: Any) -> None:
     """Wear the flanks of CASE step by step.
 
@@ -95,7 +111,6 @@ def wear(case: str, coefficient: tuple[float, float], output: Path, supports: st
 
     checked = opened_case(case, output, *options["deviations"].values(), supports=supports)
     law = WearLaw(*coefficient, **{name: options.pop(name) for name in OF_THE_LAW})
-    bar: Any
     with terminal_bar(total=law.revolutions, desc="wear", unit="revolution", unit_scale=True) as bar:
         history = worn(
             checked, law, progress=partial(count, bar), stage=partial(show_stage, bar), **with_defaults(options)
@@ -108,12 +123,10 @@ def wear(case: str, coefficient: tuple[float, float], output: Path, supports: st
     next_commands(("run", case, *on_supports, *worn_flanks, "-o", "RESULT.nc"))
     if not history.attrs["completed"]:
         share = 100 * float(history["revolutions"][-1]) / law.revolutions
-        echo(
-            f"the wear ended early, after {share:.3g} % of the revolutions; "
-            "the file holds the steps that were solved. A smaller --largest-step may help",
-            err=True,
+        early = (
+            f"the wear ended early, after {share:.3g} % of the revolutions; the file holds the steps that were solved"
         )
-        sys.exit(EXIT_UNCERTIFIED)
+        end_uncertified([f"{early}. A smaller --largest-step may help"])
 
 
 GRID_OF_PICTURES = (5, 5)
@@ -126,21 +139,17 @@ def _counts(text: str) -> tuple[int, int]:
 
 
 @click.command(cls=Command)
-@unloaded_options
-@output_option("netCDF file to write.")
-@plots_option("Folder for the picture.")
-@marking_option("Thickness of the marking compound in um.")
+@option.unloaded
+@option.output("netCDF file to write.")
+@option.plots("Folder for the picture.")
+@option.marking("Thickness of the marking compound in um.")
 @click.option(
     "--share",
-    type=float,
     default=0.25,
     help="Where the centre shall be at toe and heel: its distance from the end of the tooth over the face width.",
 )
 @click.option(
-    "--height",
-    type=float,
-    default=0.5,
-    help="Height of the centre on the gear flank, from 0 at the root to 1 at the tip.",
+    "--height", default=0.5, help="Height of the centre on the gear flank, from 0 at the root to 1 at the tip."
 )
 @click.option(
     "--largest",
@@ -187,17 +196,17 @@ def vh(case: str, output: Path, plots: Path | None, **options: Any) -> None:
 
 
 @click.command(cls=Command)
-@case_argument()
-@flank_option
-@misalignment_option
-@torque_option()
-@supports_option
+@option.case()
+@option.flank
+@option.misalignment
+@option.torque()
+@option.supports
 @click.option(
     "--without-split",
     is_flag=True,
     help="Solve the contact without the split into bending and indentation at some mesh positions, too; takes minutes.",
 )
-@output_option("netCDF file to write the table to.", required=False)
+@option.output("netCDF file to write the table to.", required=False)
 def verify(case: str, flank: Any, supports: str | None, output: Path | None, **options: Any) -> None:
     """Check CASE by independent methods, row by row.
 
@@ -240,14 +249,15 @@ def verify(case: str, flank: Any, supports: str | None, output: Path | None, **o
 
 
 @click.command(cls=Command)
-@case_argument()
-@output_option("netCDF file to write.")
-@flank_option
-@torque_option("Torques at the pinion in N m, all of equal weight.")
-@further_misalignments_option(
-    f"Further assembly in mm, Sigma in degrees, of the same weight as the case's own; {DEFLECTION_FILE}.", MISALIGNMENT
+@option.case()
+@option.output("netCDF file to write.")
+@option.flank
+@option.torque("Torques at the pinion in N m, all of equal weight.")
+@option.further_misalignments(
+    f"Further assembly in mm, Sigma in degrees, of the same weight as the case's own; {option.DEFLECTION_FILE}.",
+    option.MISALIGNMENT,
 )
-@supports_option
+@option.supports
 @click.option(
     "--objective",
     type=click.Choice(["peak_load", "peak_pressure", "even_load"]),
@@ -269,15 +279,10 @@ def verify(case: str, flank: Any, supports: str | None, output: Path | None, **o
     show_default="that of the present ease-off",
     help="Limit of the line load at the edges of the flank in N/mm; inf for no limit.",
 )
-@click.option("--largest", type=float, metavar="UM", default=50.0, help="Limit of the modification in um.")
-@solver_option("Contact solver; MODULE:FUNCTION for your own.")
-@click.option(
-    "--fitted-case",
-    type=click.Path(path_type=Path),
-    metavar="FILE",
-    help="Case file to write, with pinion settings fitted to the modified ease-off.",
-)
-@force_option
+@click.option("--largest", metavar="UM", default=50.0, help="Limit of the modification in um.")
+@option.solver("Contact solver; MODULE:FUNCTION for your own.")
+@option.file("--fitted-case", text="Case file to write, with pinion settings fitted to the modified ease-off.")
+@option.force
 def modify(
     case: str, output: Path, fitted_case: Path | None, force: bool, supports: str | None, **options: Any
 ) -> None:
@@ -295,7 +300,6 @@ def modify(
 
     checked = opened_case(case, output, supports=supports)
     check_output(fitted_case, case, supports, suffix=".toml", force=force)
-    bar: Any
     with terminal_bar(desc="convex programmes", unit="programme") as bar:
         tree = modified(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
     write_result(tree, output)
@@ -310,4 +314,151 @@ def modify(
         echo(f"wrote {fitted_case}: settings leave {1e3 * fit.rms:.2f} um (rms) of the modified ease-off")
     fitted_run = [] if fitted_case is None else [("run", fitted_case, "-o", "RESULT.nc")]
     next_commands(("show", output), ("plot", output, "FOLDER"), *fitted_run)
+    end_uncertified(uncertified(tree))
+
+
+SPREAD = re.compile(r"(E|P|G|Sigma)\s*~\s*(.+)")
+RANGE = re.compile(r"(.+?)\s*=\s*([^=:]+):([^=:]+)")
+
+
+@reader
+def _spread(texts: tuple[str, ...]) -> dict[str, str]:
+    """Distributions of assembly errors."""
+    distributions: dict[str, str] = {}
+    for text in texts:
+        parts = SPREAD.fullmatch(text.strip())
+        if parts is None:
+            raise click.BadParameter(f"{text!r}: must be E, P, G or Sigma with a distribution, as E~normal(0,0.03)")
+        if parts[1] in distributions:
+            raise click.BadParameter(f"{parts[1]} comes twice")
+        distributions[parts[1]] = parts[2]
+    return distributions
+
+
+@reader
+def _ranges(texts: tuple[str, ...]) -> dict[str, tuple[float, float]]:
+    """Least and greatest value of settings by key."""
+    ranges: dict[str, tuple[float, float]] = {}
+    for text in texts:
+        parts = RANGE.fullmatch(text.strip())
+        try:
+            if parts is None:
+                raise ValueError
+            ranges[parts[1]] = float(parts[2]), float(parts[3])
+        except ValueError as error:
+            raise click.BadParameter(f"{text!r}: must be KEY=LOW:HIGH, as '*.sliding_base=20:25'") from error
+    return ranges
+
+
+@click.command(cls=Command)
+@option.case()
+@option.output("netCDF file to write.")
+@click.option(
+    "--minimize",
+    multiple=True,
+    metavar="QUANTITY",
+    show_default="peak_to_peak and max_pressure",
+    help="peak_to_peak, harmonic_1, harmonic_2, ..., max_pressure, unloaded_peak_to_peak, pinion_root_stress, "
+    "gear_root_stress, mean_power_loss, load_centre_lengthwise, load_extent_lengthwise (and profile), ease_off_change, "
+    "root_line_change; "
+    "with @TORQUE at one torque alone, with drive. or coast. before it on one side. May be repeated.",
+)
+@click.option(
+    "--limit",
+    "limits",
+    multiple=True,
+    metavar="'QUANTITY<=VALUE'",
+    help="Limit of a quantity in urad, MPa, W, um or mm, such as 'max_pressure@250<=1500'. May be repeated; the "
+    "root line is kept within 1 % of the flank's height unless limited.",
+)
+@click.option(
+    "--form",
+    type=click.Choice(["worst", "weighted", "pareto"]),
+    default="worst",
+    help="The worst ratio to the start decides; the weighted sum of the mean ratios; or the front of two objectives.",
+)
+@click.option(
+    "--weight",
+    "weights",
+    callback=reader(lambda text: number_list(text, "numbers separated by commas, such as 1,0.5")),
+    metavar="W1,W2,...",
+    help="Weights of the objectives.",
+)
+@click.option("--points", type=int, metavar="N", show_default="9", help="Points of the front.")
+@click.option(
+    "--flank", type=click.Choice(["drive", "coast", "both"]), default="drive", help="Flanks in mesh that are analysed."
+)
+@option.torque()
+@option.further_misalignments(
+    "Further assembly in mm, Sigma in degrees, that counts as much as the case's own.", "E=..,P=..,G=..,Sigma=.."
+)
+@click.option(
+    "--spread",
+    callback=_spread,
+    multiple=True,
+    metavar="'E~normal(0,0.03)'",
+    help="Distribution of an assembly error in mm, Sigma in degrees: normal, uniform or triangular. May be repeated.",
+)
+@click.option("--samples", type=int, metavar="N", help="Number of assemblies drawn from the distributions.")
+@click.option("--seed", metavar="S", default=0, help="Seed of the samples.")
+@click.option(
+    "--free",
+    callback=reader(lambda texts: texts or None),
+    multiple=True,
+    metavar="PATTERN",
+    show_default="machine settings that the pinion's set-up uses",
+    help="Keys of the settings that move, such as 'pinion.*.machine.*'. May be repeated.",
+)
+@click.option(
+    "--limit-setting",
+    "limit_settings",
+    callback=_ranges,
+    multiple=True,
+    metavar="KEY=LOW:HIGH",
+    help="Least and greatest value of a setting in mm or degrees. May be repeated.",
+)
+@click.option(
+    "--move",
+    metavar="UM",
+    default=100.0,
+    help="By how much one setting alone may change the ease-off in um, where it has no limits of its own.",
+)
+@option.resolution
+@click.option("--steps", metavar="N", default=30, help="Programmes for one optimum.")
+@option.file("--case", "best_case", text="Case file to write, with the settings found.")
+@option.file("--resume", text="Result to go on from.")
+@option.force
+def optimize(case: str, output: Path, best_case: Path | None, resume: Path | None, force: bool, **options: Any) -> None:
+    """Search for the machine settings that are best under load.
+
+    Convex programmes propose, certified analyses judge. The settings found are rounded to the machine's resolution and
+    analysed rounded.
+    """
+    from ...cases import parse_case, write_case
+    from ..design.optimization.setting_optimization import USUAL_OBJECTIVES, optimize as optimized
+    from ..result import read_result, write_result
+    from ..summary.correction_report import setting_report
+    from ..summary.result_summary import uncertified
+
+    checked = opened_case(case, output)
+    check_output(best_case, case, suffix=".toml", force=force)
+    earlier = None if resume is None else read_result(resume)
+    with terminal_bar(desc="search", unit="programme") as bar:
+        tree = optimized(
+            checked,
+            options.pop("minimize") or USUAL_OBJECTIVES,
+            resume=earlier,
+            progress=bar.update,
+            stage=lambda name: show_stage(bar, name),
+            **options,
+        )
+    write_result(tree, output)
+    echo(setting_report(tree))
+    echo(f"\nwrote {output}")
+    if best_case is not None:
+        final_case = parse_case(tree.attrs["case"], allow_outside=True)
+        write_case(final_case, best_case, f"Made by easeoff from {Path(case).name}: settings of {output.name}.")
+        echo(f"wrote {best_case}")
+    sheet = [] if best_case is None else [("sheet", best_case, "-o", "SHEET.html")]
+    next_commands(("show", output), ("plot", output, "FOLDER"), *sheet)
     end_uncertified(uncertified(tree))

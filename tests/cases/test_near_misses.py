@@ -26,7 +26,7 @@ from easeoff.geometry.pair.assembly import Assembly
 from easeoff.study import analyze_load_cases, vh_check
 from easeoff.study.analysis.case_analysis import require_solver_options
 from easeoff.study.cli import main
-from easeoff.study.cli.shared_options import torques
+from easeoff.study.cli.option_values import torques
 from easeoff.study.design.design_check import (
     blank_or_none,
     cutter_radius_advice,

@@ -47,7 +47,7 @@ from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
 from easeoff.core import foreign_code as foreign_code_module
 from easeoff.core.foreign_code import ForeignCodeError, foreign_code
 from easeoff.study import cli as study_cli
-from easeoff.study.cli import main, run_command
+from easeoff.study.cli import analysis_commands, main
 from easeoff.study.summary.result_summary import result_summary
 from easeoff.verification import problems
 
@@ -434,7 +434,7 @@ def test_command_tells_the_reason_and_writes_where_it_was_told_to(
     monkeypatch.chdir(tmp_path)
     frozen: list[bool] = []
     monkeypatch.setattr(gc, "freeze", lambda: frozen.append(True))
-    monkeypatch.setattr(run_command, "check_cost", lambda *given: os.chdir("elsewhere"))
+    monkeypatch.setattr(analysis_commands, "check_cost", lambda *given: os.chdir("elsewhere"))
     monkeypatch.syspath_prepend(tmp_path)
     small_file(tmp_path, more=SHELLS)
     done = CliRunner().invoke(
