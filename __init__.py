@@ -28,8 +28,7 @@ from .core.lazy_names import lazy_names
 if TYPE_CHECKING:
     import xarray as xr
 
-    from .study.notebook.result_accessor import ResultAccessor
-    from .study.notebook.sweep_accessor import SweepAccessor
+    from .study.notebook.accessors import ResultAccessor, SweepAccessor
 
 _named, __dir__, __all__ = lazy_names(__name__, __file__)
 
@@ -42,12 +41,12 @@ def _register_accessor() -> None:
     import xarray as xr
 
     def accessor(tree: xr.DataTree) -> ResultAccessor:
-        from .study.notebook.result_accessor import ResultAccessor
+        from .study.notebook.accessors import ResultAccessor
 
         return ResultAccessor(tree)
 
     def sweep_accessor(dataset: xr.Dataset) -> SweepAccessor:
-        from .study.notebook.sweep_accessor import SweepAccessor
+        from .study.notebook.accessors import SweepAccessor
 
         return SweepAccessor(dataset)
 

@@ -13,12 +13,10 @@ from .design.design_check import DesignReport as DesignReport
 from .design.rounded_settings import rounded_case as rounded_case, rounding_effect as rounding_effect
 from .deviation_source import measured_file as measured_file, shipped_deviations as shipped_deviations
 from .load_case_analysis import analyze_load_cases as analyze_load_cases, equivalent_torque as equivalent_torque
-from .notebook.result_accessor import (
+from .notebook.accessors import (
     ResultAccessor as ResultAccessor,
     ResultPlots as ResultPlots,
     ResultSummary as ResultSummary,
-)
-from .notebook.sweep_accessor import (
     SweepAccessor as SweepAccessor,
     SweepPlots as SweepPlots,
     SweepSummary as SweepSummary,
