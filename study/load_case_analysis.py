@@ -37,7 +37,7 @@ from .analysis.operating import Friction, FrictionConditions, Operating
 from .case_in_mesh import CaseInMesh, FlanksInMesh, case_attributes, checked_case
 from .deviation_source import Deviated, Source
 from .progress import shows_progress, told
-from .result_layout import RESULT_SCHEMA_VERSION
+from .result import RESULT_SCHEMA_VERSION
 
 if TYPE_CHECKING:
     from ..friction import FrictionModel, Lubricant

@@ -34,7 +34,7 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.tooth_thickness import contradictions
 from ..case_in_mesh import CaseInMesh, case_attributes, deflection_attributes
 from ..deviation_source import require_line_contact
-from ..result_layout import RESULT_SCHEMA_VERSION
+from ..result import RESULT_SCHEMA_VERSION
 
 if TYPE_CHECKING:
     from ...contact.supports.assembly_rounds import AssemblyRounds

@@ -20,7 +20,7 @@ from ...core.attributes import labelled, ordered
 from ...core.checks import instance
 from ...core.errors import InputError
 from ...geometry.pair.member_names import MEMBERS
-from ..result_layout import GRID, PATTERN
+from ..result import GRID, PATTERN
 
 HARMONIC_COUNT = 3  # of the transmission error
 UNLOADED = ("contact_ratio", "pinion_peak_to_peak", *PATTERN)

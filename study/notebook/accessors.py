@@ -23,11 +23,17 @@ from ...core.errors import InputError, suggestion
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import key_numbers
 from ..report.report_tables import loaded_numbers
-from ..result_layout import CONDITIONS, VARIABLES, faults, load_case_faults
-from ..summary.deflection_report import ERRORS, deflection_tables, mean_misalignment
+from ..result import CONDITIONS, VARIABLES, faults, load_case_faults
+from ..summary.assembly_report import (
+    ERRORS,
+    SHARES,
+    bearing_loads,
+    deflection_tables,
+    mean_misalignment,
+    supports_tables,
+)
 from ..summary.load_case_summary import load_case_notes, load_case_summary, load_case_tables
 from ..summary.result_summary import contact_temperatures, efficiency_table, head_rows, result_notes, unloaded_rows
-from ..summary.supports_report import SHARES, bearing_loads, supports_tables
 from ..summary.sweep_report import (
     SENSITIVE_NUMBERS,
     SHOWN_PERCENT,
@@ -290,7 +296,7 @@ class ResultAccessor(ShownContent):
         working folder.
         """
         from ...cases import parse_case
-        from ..report.stored_case import stored_case
+        from ..report.contact_mesh import stored_case
 
         tree = self._result()
         try:

@@ -21,7 +21,7 @@ from ...core.errors import InputError
 from ...friction import FrictionModel
 from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 from ...friction.operation import named_models
-from ..result_layout import CONDITIONS
+from ..result import CONDITIONS
 from ..summary.curves import efficiency_chart, torque_name
 from ..summary.plausibility import TOLD_SHARE, range_notes
 from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS, roughness_words, value_name

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...core.arrays import Integers
 from ...core.checks import distinct, words
 from ...core.errors import InputError, suggestion
-from ..result_layout import VARIABLES
+from ..result import VARIABLES
 from .page import page
 
 if TYPE_CHECKING:

@@ -14,8 +14,8 @@ from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
+from ..summary.assembly_report import misalignment_over_torque
 from ..summary.curves import Chart, torque_name, wear_charts
-from ..summary.deflection_report import misalignment_over_torque
 from ..summary.quantities import TITLES, UNIT_SIGNS
 from ..summary.sweep_report import SIGNS, totals
 from .axes_style import label_axes, legend_of_curves, panel_titles, plain_axes, plain_bar, plain_legend, torque_colours

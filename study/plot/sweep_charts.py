@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import InputError
-from ..result_layout import PATTERN
+from ..result import PATTERN
 from ..summary.curves import torque_name
 from ..summary.quantities import TITLES, UNIT_SIGNS
 from ..summary.sweep_report import outcome

@@ -19,9 +19,8 @@ from ...contact.evaluation.marking_print import checked_thickness
 from ...core.checks import distinct, file_path, one_of, whole
 from ...core.errors import InputError, printable
 from ...core.netcdf_file import tree_or_none
-from ..result import checked_given, read_result
-from ..result_layout import VARIABLES
-from ..summary.deflection_report import misalignment_over_torque
+from ..result import VARIABLES, checked_given, read_result
+from ..summary.assembly_report import misalignment_over_torque
 from ..sweep.sweep_file import checked_sweep, is_sweep
 from .contact_pattern_chart import contact_pattern
 from .drawing_style import drawing

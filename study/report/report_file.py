@@ -27,18 +27,16 @@ from ...core.output_file import whole_file
 from ...friction.operation import named_models
 from ..plot.panel_grid import evenly_chosen, middle
 from ..plot.tooth_view import tooth_view
-from ..result import ACCEPTED, kind_of, require_kind
-from ..result_layout import DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, require_layout
+from ..result import ACCEPTED, DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, kind_of, require_kind, require_layout
 from ..summary import curves
-from ..summary.deflection_report import deflection_tables
+from ..summary.assembly_report import deflection_tables, supports_tables
 from ..summary.quantities import roughness_words
 from ..summary.result_summary import head_rows, result_notes
-from ..summary.supports_report import supports_tables
 from ..summary.sweep_report import SIGNS, places_table, reasons, totals
 from ..summary.table import with_signs
-from . import cycle_charts, flank_pictures
-from .cycle_charts import packed
-from .mesh_scene import mesh_scene
+from . import page_data
+from .contact_mesh import mesh_scene, stored_case
+from .page_data import packed
 from .report_tables import (
     case_tables,
     efficiency_rows,
@@ -48,7 +46,6 @@ from .report_tables import (
     mean_pitch_radius,
     unloaded_numbers,
 )
-from .stored_case import stored_case
 
 RESULT_COUNT_LIMIT = 6  # with pictures in one report
 
@@ -261,7 +258,7 @@ def report_page(results: Mapping[str, Given], author: str = "") -> str:
     data: dict[str, Any] = {
         "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
         "checks": [vh_part(name, check) for name, check in given.checks.items()],
-        "wear": [flank_pictures.wear_part(name, worn) for name, worn in given.wear.items()],
+        "wear": [page_data.wear_part(name, worn) for name, worn in given.wear.items()],
         "load_cases": [{"name": name, **load_case_rows(tree)} for name, tree in given.load_cases.items()],
         "notes": given.notes,
     }
@@ -306,24 +303,24 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "unloaded_numbers": unloaded_numbers(tree),
         "loaded_numbers": under_load,
         "supports": [table.page() for table in supports_tables(tree)],
-        "deviations": flank_pictures.deviation_fields(tree, case, views),
-        "modification": flank_pictures.modification_part(tree),
+        "deviations": page_data.deviation_fields(tree, case, views),
+        "modification": page_data.modification_part(tree),
         "teeth": int(tree.attrs["pinion_teeth"]),
         "torques": loaded["torque"].values[chosen].tolist(),
         "torque_count": loaded.sizes["torque"],
         "positions": loaded["mesh_position"].values.tolist(),
-        "flanks": flank_pictures.outlines(views),
-        "fields": flank_pictures.surface_fields(tree, views),
-        "marks": flank_pictures.unloaded_marks(tree, views),
-        "pressure": flank_pictures.pressure_fields(loaded, chosen, views),
-        "segments": flank_pictures.segments(loaded, chosen, views),
+        "flanks": page_data.outlines(views),
+        "fields": page_data.surface_fields(tree, views),
+        "marks": page_data.unloaded_marks(tree, views),
+        "pressure": page_data.pressure_fields(loaded, chosen, views),
+        "segments": page_data.segments(loaded, chosen, views),
         "charts": {
             "error": curves.transmission_error_charts(
                 tree["unloaded"].to_dataset(), loaded, chosen, None if case is None else mean_pitch_radius(case)
             ),
             "contact": curves.contact_charts(tree, chosen),
         },
-        "over_torque": cycle_charts.over_torque(tree),
+        "over_torque": page_data.over_torque(tree),
         "scene": None if case is None else mesh_scene(tree, case),
         "friction": None,
     }
@@ -343,11 +340,11 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
             "models": printable(named_models(friction.attrs)),
             "condition": condition | {"roughness": roughness_words(friction, at["roughness"])},
             "speeds": friction["speed"].values[speeds].tolist(),
-            "fields": flank_pictures.friction_fields(tree, chosen, speeds, at, views[0]),
-            "map": cycle_charts.efficiency_map(friction, at),
+            "fields": page_data.friction_fields(tree, chosen, speeds, at, views[0]),
+            "map": page_data.efficiency_map(friction, at),
             "table": efficiency_rows(friction, loaded),
         }
-    content["charts"] = {part: list(map(cycle_charts.packed_chart, own)) for part, own in content["charts"].items()}
+    content["charts"] = {part: list(map(page_data.packed_chart, own)) for part, own in content["charts"].items()}
     content["first_numbers"] = first_numbers(tree, under_load, condition)
     return content
 

@@ -25,7 +25,7 @@ from ...geometry.pair.gear_pair import MEMBERS, GearPair, thickness_per_angle
 from ...geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_thickness
 from ...geometry.tooth.tooth_flanks import named_member, placed_flanks, tooth_angle
 from ..analysis.key_numbers import key_numbers
-from ..result_layout import CONDITIONS
+from ..result import CONDITIONS
 from ..summary.load_case_summary import duty_lines, load_case_notes, load_case_tables
 from ..summary.quantities import (
     EDGE_SHARE,

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 from ...contact.evaluation.tooth_passage import unloaded_curves
 from ...core.arrays import Array
 from ...core.attributes import ordered
-from ..result_layout import CONDITIONS
+from ..result import CONDITIONS
+from .assembly_report import SHARES, bearing_loads
 from .quantities import CONDITION_LABELS, FRICTION, LOADED, MEAN_ROUGHNESS, WEAR_DEPTH, Quantity, value_name
-from .supports_report import SHARES, bearing_loads
 
 OVER, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
 CYCLE = "mesh position"

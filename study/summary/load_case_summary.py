@@ -13,7 +13,7 @@ import numpy as np
 import xarray as xr
 
 from ...core.errors import printable, shortened
-from .deflection_report import ERRORS, error_values
+from .assembly_report import ERRORS, error_values
 from .plausibility import executed_settings
 from .quantities import FRICTION, LOADED, ROOT_STRESS, Quantity
 from .result_summary import doubts, uncertified

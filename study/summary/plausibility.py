@@ -29,9 +29,9 @@ from ...contact.outcomes import LineEnd
 from ...core.arrays import RealArray as Array
 from ...core.attributes import ROOT_RESOLUTION, ordered
 from ...geometry.pair.member_names import MEMBERS
-from ..result_layout import CONDITIONS
+from ..result import CONDITIONS
+from .assembly_report import bearing_loads, towards_heel
 from .quantities import roughness_words
-from .supports_report import bearing_loads, towards_heel
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
 EASE_OFF_LIMIT = 1000.0

@@ -17,8 +17,16 @@ from ...contact.outcomes import LineEnd, Status
 from ...core.arrays import Bools
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
-from ..result_layout import CONDITIONS, PATTERN
-from .deflection_report import deflection_notes, deflection_tables, misalignment_over_torque, misalignment_words
+from ..result import CONDITIONS, PATTERN
+from .assembly_report import (
+    added_notes,
+    deflection_notes,
+    deflection_tables,
+    misalignment_over_torque,
+    misalignment_words,
+    supports_tables,
+    supports_words,
+)
 from .plausibility import (
     edge_notes,
     end_notes,
@@ -39,7 +47,6 @@ from .quantities import (
     roughness_words,
     written,
 )
-from .supports_report import added_notes, supports_tables, supports_words
 from .table import ROW_COUNT_LIMIT, WIDTH, Table, summary_text, underlined
 
 COLUMN_COUNT_LIMIT = 5  # torques side by side

@@ -31,12 +31,10 @@ from ..analysis.swept_quantity import Stage, swept_quantity
 from ..case_in_mesh import FlanksInMesh, case_attributes, deflection_attributes, prepared_pair
 from ..deviation_source import Deviated, Source, deviation_attributes, flank_deviations
 from ..progress import shows_progress, told
-from .axis import Sampler
-from .batch_analysis import Batch, Block, analyze_batch, assembly_errors
-from .batch_store import BatchStore
+from .batch_analysis import Batch, BatchStore, Block, analyze_batch, assembly_errors
 from .engine import cluster_client, in_processes, in_this_process, on_cluster
 from .sweep_file import SWEEP_SCHEMA_VERSION, PointStatus
-from .sweep_plan import PointTable, SweepPlan, SweepSetup, planned_sweep
+from .sweep_plan import PointTable, Sampler, SweepPlan, SweepSetup, planned_sweep
 
 if TYPE_CHECKING:
     from ...friction import FrictionModel, Lubricant

@@ -14,7 +14,7 @@ from ...core.errors import InputError
 from ...core.file_origin import layout_fault, unreadable
 from ...core.netcdf_file import read_dataset, write_netcdf
 from ...core.regular_file import named
-from ..result_layout import (
+from ..result import (
     MAGNITUDE_LIMIT,
     OF_A_PAIR,
     OPTIONAL_ATTRIBUTES,

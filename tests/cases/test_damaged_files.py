@@ -55,7 +55,7 @@ from easeoff.study.compare.comparison_table import write_table
 from easeoff.study.deviation_source import flank_deviations
 from easeoff.study.library import entries
 from easeoff.study.library.library_files import write_part
-from easeoff.study.result_layout import form_faults, load_case_faults
+from easeoff.study.result import form_faults, load_case_faults
 from easeoff.study.sweep import sweep
 
 ESCAPE = "\x1b[2J\x9b2J\u202e"

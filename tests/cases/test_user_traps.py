@@ -24,7 +24,7 @@ from easeoff.study.cli.command import Command
 from easeoff.study.cli.result_commands import draw
 from easeoff.study.plot import written_pictures
 from easeoff.study.plot.written_pictures import PICTURES, pictures_of_results
-from easeoff.study.result_layout import faults
+from easeoff.study.result import faults
 from easeoff.study.summary.result_summary import result_summary
 
 RUN = ["run", "nasa-12x36", "-o", "{tmp}/x.nc"]

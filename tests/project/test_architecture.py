@@ -33,7 +33,7 @@ ORDER = {
     ),
     # Studies return labelled data; what shows them stands above, the commands on top.
     "study": (
-        *("result_layout", "result", "terminal_bar", "progress", "deviation_source", "geometry_export", "case_in_mesh"),
+        *("result", "terminal_bar", "progress", "deviation_source", "geometry_export", "case_in_mesh"),
         *("case_correction", "analysis", "sweep", "design", "load_case_analysis", "vh", "wear_simulation", "library"),
         *("compare", "summary", "plot", "report", "notebook", "cli"),
     ),
@@ -122,7 +122,7 @@ ONE_BY_ONE: dict[str, dict[str, tuple[str, ...]]] = {
                 "easeoff.study.report.report_file",
             ),
         ),
-        "from easeoff.study.report import report_file, cycle_charts, flank_pictures": ("scipy", "matplotlib"),
+        "from easeoff.study.report import report_file, page_data": ("scipy", "matplotlib"),
         "easeoff.plot.pressure; from easeoff import plot; assert plot is easeoff.plot": ("matplotlib",),
         "import easeoff.study.plot.mesh_cycle_charts": ("matplotlib.pyplot",),
     },

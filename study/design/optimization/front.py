@@ -20,7 +20,7 @@ from ....cases.deflections import assembly_columns
 from ....core.arrays import RealArray as Array
 from ....core.attributes import labelled
 from ....core.errors import InputError
-from ...result_layout import GROUPS
+from ...result import GROUPS
 from .aim import Aim, Judgement
 from .analysed_settings import AnalysedSettings
 from .setting_search import Outcome, Prices, SettingSearch

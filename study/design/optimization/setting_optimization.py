@@ -28,7 +28,7 @@ from ...analysis.contact_analysis import case_torques
 from ...analysis.operating import operation_of
 from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
 from ...progress import shows_progress, told
-from ...sweep.axis import Distribution, sample_values
+from ...sweep.sweep_plan import Distribution, sample_values
 from .aim import NEEDED, Aim, ContactQuantity, Judgement, Objective, QuantityLimit
 from .analysed_settings import Workshop, usual_root_line_change
 from .free_setting import SettingSpace, free_settings, with_limits

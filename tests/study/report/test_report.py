@@ -29,7 +29,8 @@ from easeoff.friction.loaded_contacts import axes_of
 from easeoff.geometry.pair.gear_pair import MEMBERS
 from easeoff.study import analyze_load_cases, key_numbers, summary_sheet, write_report
 from easeoff.study.plot.tooth_view import tooth_view
-from easeoff.study.report import cycle_charts, flank_pictures, mesh_scene, stored_case
+from easeoff.study.report import page_data
+from easeoff.study.report.contact_mesh import mesh_scene, stored_case
 from easeoff.study.report.report_file import RESULT_COUNT_LIMIT, report_page
 from easeoff.study.report.report_tables import case_tables
 from easeoff.study.summary import summary_sheet as sheet_module
@@ -76,23 +77,23 @@ def without_solutions(loaded: xr.Dataset, positions: list[int]) -> xr.Dataset:
 def test_packed_values_are_within_half_a_step_and_nan_stays(shape: tuple[int, ...]) -> None:
     values = np.random.default_rng(1).normal(size=shape)
     values.flat[2] = np.nan
-    found = unpacked(cycle_charts.packed(values))
+    found = unpacked(page_data.packed(values))
     assert np.array_equal(np.isnan(found), np.isnan(values))
     span = np.ptp(values[np.isfinite(values)])
     assert 0.0 < np.nanmax(np.abs(found - values)) <= 1.0001 * span / 131068
-    assert np.array_equal(unpacked(cycle_charts.packed_exactly(values)), values.astype(np.float32), equal_nan=True)
+    assert np.array_equal(unpacked(page_data.packed_exactly(values)), values.astype(np.float32), equal_nan=True)
 
 
 @pytest.mark.parametrize("values", [[], [np.nan], [2.5, 2.5]])
 def test_values_without_a_range_are_packed(values: list[float]) -> None:
-    assert np.array_equal(unpacked(cycle_charts.packed(values)), values, equal_nan=True)
+    assert np.array_equal(unpacked(page_data.packed(values)), values, equal_nan=True)
 
 
 def test_a_raster_of_a_linear_field_is_that_field_inside_its_triangles() -> None:
     """And a triangle without area, as at the tips of a load, changes nothing."""
     points = np.array([[0.1, 0.9, 0.2, 0.5], [0.1, 0.3, 0.8, 0.2]])
     values = 2.0 * points[0] - 3.0 * points[1] + 1.0
-    grid = flank_pictures.rasterised(points, values, np.array([[0, 1, 2], [0, 3, 1]]), (41, 31))
+    grid = page_data.rasterised(points, values, np.array([[0, 1, 2], [0, 3, 1]]), (41, 31))
     t, h = np.meshgrid(np.linspace(0.0, 1.0, 41), np.linspace(0.0, 1.0, 31), indexing="ij")
     inside = np.isfinite(grid)
     assert np.allclose(grid[inside], (2.0 * t - 3.0 * h + 1.0)[inside], atol=1e-12)
@@ -104,7 +105,7 @@ def test_a_raster_of_a_linear_field_is_that_field_inside_its_triangles() -> None
 def test_the_pressure_raster_has_the_peak_of_the_pressure_map_in_its_place(drive: xr.DataTree, member: str) -> None:
     at_torque = drive["loaded"].to_dataset().isel(torque=0)
     view = tooth_view(drive, member)  # type: ignore[arg-type]
-    raster, exact = flank_pictures.pressure_raster(at_torque, view), pressure_map(at_torque)
+    raster, exact = page_data.pressure_raster(at_torque, view), pressure_map(at_torque)
     assert 0.97 * exact.peak < raster.max() <= exact.peak * (1.0 + 1e-12)
     place = np.array(np.unravel_index(np.argmax(raster), raster.shape)) / (np.array(raster.shape) - 1)
     wanted = view.fractions(exact.peak_point)
@@ -114,9 +115,9 @@ def test_the_pressure_raster_has_the_peak_of_the_pressure_map_in_its_place(drive
 
 def test_values_between_contact_lines_follow_a_linear_field(drive: xr.DataTree) -> None:
     view = tooth_view(drive)
-    carries, points = flank_pictures.on_lines(drive["loaded"].to_dataset().isel(torque=1))
+    carries, points = page_data.on_lines(drive["loaded"].to_dataset().isel(torque=1))
     x, y = view.plane(points)
-    raster = flank_pictures.scattered_rasters(points, (x - 2.0 * y)[None], view)[0]
+    raster = page_data.scattered_rasters(points, (x - 2.0 * y)[None], view)[0]
     middle = tuple(n // 2 for n in raster.shape)
     px, py = view.plane(np.array([0.5, 0.5]))
     assert raster[middle] == pytest.approx(px - 2.0 * py, abs=1e-9)
@@ -126,9 +127,9 @@ def test_values_between_contact_lines_follow_a_linear_field(drive: xr.DataTree) 
 
 def test_both_members_stand_in_mesh(drive: xr.DataTree) -> None:
     """Turned as the page turns them, flank nodes of both members come to where ``/ease_off`` has their contact."""
-    case = stored_case.stored_case(drive)
+    case = stored_case(drive)
     assert case is not None
-    scene = mesh_scene.mesh_scene(drive, case)
+    scene = mesh_scene(drive, case)
     assert scene is not None
     ease_off = drive["ease_off"].to_dataset()
     action = ordered(ease_off, "action_position", "lengthwise", "profile", "space")
@@ -151,9 +152,9 @@ def test_both_members_stand_in_mesh(drive: xr.DataTree) -> None:
 
 def test_drawn_flanks_are_those_of_the_result(drive: xr.DataTree) -> None:
     """Nodes of a tooth's surface, at the fractions that are sent along, lie on the stored flank."""
-    case = stored_case.stored_case(drive)
+    case = stored_case(drive)
     assert case is not None
-    scene = mesh_scene.mesh_scene(drive, case)
+    scene = mesh_scene(drive, case)
     assert scene is not None
     own = scene["members"]["gear"]
     t, h = unpacked(own["places"])

@@ -37,8 +37,8 @@ from easeoff.study.plot.page import small_print
 from easeoff.study.summary.sweep_report import _per
 from easeoff.study.summary.table import Table
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep, worst_points
-from easeoff.study.sweep.axis import Distribution, Sampler, sample_values
 from easeoff.study.sweep.sweep_file import PointStatus, checked_sweep, write_sweep
+from easeoff.study.sweep.sweep_plan import Distribution, Sampler, sample_values
 
 OILS = ["75w90", "heavy-mineral"]
 POINTED = RADIAL - 6.0  # with it the pinion's teeth, of solid shells, are pointed

@@ -23,7 +23,7 @@ from easeoff.study.analysis.case_analysis import analyze
 from easeoff.study.analysis.key_numbers import number_names
 from easeoff.study.analysis.operating import Operating
 from easeoff.study.sweep import percentiles, read_sweep, sensitivities, sweep
-from easeoff.study.sweep.batch_store import _bounds
+from easeoff.study.sweep.batch_analysis import _bounds
 from easeoff.study.sweep.parameter_sweep import batch_store, run_plan
 from easeoff.study.sweep.reductions import numbers
 from easeoff.study.sweep.sweep_file import PointStatus, checked_sweep, sweep_faults, write_sweep
