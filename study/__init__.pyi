@@ -11,7 +11,7 @@ from .case_in_mesh import CaseInMesh as CaseInMesh
 from .design.case_design import design_case as design_case
 from .design.design_check import DesignReport as DesignReport
 from .design.rounded_settings import rounded_case as rounded_case, rounding_effect as rounding_effect
-from .deviation_source import measured_file as measured_file, shipped_deviations as shipped_deviations
+from .deviations import measured_file as measured_file, shipped_deviations as shipped_deviations
 from .load_case_analysis import analyze_load_cases as analyze_load_cases, equivalent_torque as equivalent_torque
 from .notebook.accessors import (
     ResultAccessor as ResultAccessor,

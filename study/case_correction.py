@@ -25,7 +25,7 @@ from ..geometry.deviation.machine_set_up import shares_set_up
 from ..geometry.formats.measuring_points import opened as open_netcdf
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member
 from ..geometry.tooth.tooth_flanks import MemberName, Side, named_member, side
-from .deviation_source import Source, flank_deviations, measured_file
+from .deviations import Source, flank_deviations, measured_file
 
 MeasuredFlank = tuple[Member, Deviation]
 

@@ -35,7 +35,7 @@ from .analysis.contact_analysis import contact_analysis
 from .analysis.key_numbers import key_numbers
 from .analysis.operating import Friction, FrictionConditions, Operating
 from .case_in_mesh import CaseInMesh, FlanksInMesh, case_attributes, checked_case
-from .deviation_source import Deviated, Source
+from .deviations import Deviated, Source
 from .progress import shows_progress, told
 from .result import RESULT_SCHEMA_VERSION
 

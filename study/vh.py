@@ -35,7 +35,7 @@ from ..geometry.pair.gear_pair import FlankName
 from ..geometry.pair.modification import Modification
 from ..geometry.tooth.tooth_flanks import MemberName
 from .case_in_mesh import CaseInMesh, FlanksInMesh, case_attributes, checked_case
-from .deviation_source import Deviated, Source
+from .deviations import Deviated, Source
 from .progress import shows_progress, told
 
 #: Centre of the pattern (2) [mm], along the face and the profile, at displacements V and H (2) [mm]; NaN for none.

@@ -36,7 +36,7 @@ from ..geometry.pair.gear_pair import MEMBERS, FlankName, PairGeometry, grid
 from ..geometry.tooth.tooth_flanks import MemberName, named_member
 from .analysis.contact_analysis import in_assembly_under_load
 from .case_in_mesh import CaseInMesh, case_attributes, checked_case, deflection_attributes, prepared_pair
-from .deviation_source import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
+from .deviations import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
 from .progress import shows_progress, told
 
 WEAR_COEFFICIENT_LIMIT = 1e-3  # [mm^2/N]; more is a mistake of units

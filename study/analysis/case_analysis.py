@@ -32,7 +32,7 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..case_in_mesh import CaseInMesh, FlanksInMesh, checked_case
-from ..deviation_source import Deviated, Source
+from ..deviations import Deviated, Source
 from ..progress import shows_progress, told
 from .contact_analysis import OVER_TORQUE, Analysis, contact_analysis, joined_analysis
 from .operating import Friction, FrictionConditions, Operating, analysis_size

@@ -33,7 +33,7 @@ from ...core.process_settings import one_blas_thread
 from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.tooth_thickness import contradictions
 from ..case_in_mesh import CaseInMesh, case_attributes, deflection_attributes
-from ..deviation_source import require_line_contact
+from ..deviations import require_line_contact
 from ..result import RESULT_SCHEMA_VERSION
 
 if TYPE_CHECKING:

@@ -189,7 +189,7 @@ def design(
     from ..design.case_design import design_case
     from ..design.design_check import rounding_limits
     from ..design.rounded_settings import rounded_case, rounding_effect
-    from ..summary.correction_report import design_report, summary_lines
+    from ..summary.settings_report import design_report, summary_lines
     from ..summary.summary_sheet import effect_line
 
     if resolution is not None and not rounding:

@@ -222,7 +222,7 @@ def correct(
     """
     from ...cases import read_case, write_case
     from ..case_correction import correct_case
-    from ..summary.correction_report import correction_report
+    from ..summary.settings_report import correction_report
 
     if force and output is None:
         raise click.UsageError("--force: must go with --output")
@@ -245,7 +245,7 @@ def correct(
 
 def _executed(case: str, corrections: Any) -> str:
     """Comment of a corrected case."""
-    from ..summary.correction_report import root_warnings
+    from ..summary.settings_report import root_warnings
 
     flanks = "; ".join(
         f"{name} {' and '.join(flank.side for correction in member_corrections for flank in correction.flanks)}"

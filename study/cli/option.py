@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import click
 
-from .command import ALLOW_OUTSIDE
+from .command import ALLOW_OUTSIDE, echo
 from .option_values import (
     assembly_errors,
     deviation_files,
@@ -17,7 +17,6 @@ from .option_values import (
     numbers,
     reader,
     roughnesses,
-    thickness,
     torques,
 )
 from .word_completion import case_names, deviation_names, friction_models, oil_names, solver_names, support_names
@@ -25,6 +24,7 @@ from .word_completion import case_names, deviation_names, friction_models, oil_n
 Command = TypeVar("Command", bound=Callable[..., Any])
 
 MISALIGNMENT = "E=..,P=..,G=..,Sigma=..|FILE"
+THINNEST_COMPOUND = 0.5  # [um]; below it a thickness looks like mm
 DEFLECTION_FILE = "or a table of deflections over the torque, with the columns torque, E, P, G, Sigma, flank"
 
 
@@ -113,8 +113,15 @@ def marking(
 ) -> Callable[[Command], Command]:
     """Option ``--marking`` of a command: thickness of the marking compound."""
     return click.option(
-        "--marking", type=float, callback=reader(thickness), metavar="THICKNESS", show_default=default, help=text
+        "--marking", type=float, callback=reader(_thickness), metavar="THICKNESS", show_default=default, help=text
     )
+
+
+def _thickness(value: float) -> float:
+    """Thickness of the marking compound [um]; a line says so of one that looks like mm."""
+    if 0.0 < value < THINNEST_COMPOUND:
+        echo(f"--marking = {value:g}: thinner than any marking compound; um are meant, not mm?", err=True)
+    return value
 
 
 def solver(text: str = "Contact solver; MODULE:FUNCTION for one of your own.") -> Callable[[Command], Command]:

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 Given = TypeVar("Given")
 Value = TypeVar("Value")
 WHOLE_NUMBER = re.compile(r"[+-]?\d+")
-THINNEST_COMPOUND = 0.5  # [um]; below it a thickness looks like mm
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
 #: Kinds of steps of a machine's settings.
 STEPS = ("length", "angle", "roll", "modified_roll", "motion", "blade_radius", "blade_angle", "edge_radius")
@@ -123,13 +122,6 @@ def torques(text: str) -> tuple[float, ...]:
     if values != sorted(values):
         echo(f"torques in rising order: {', '.join(f'{value:g}' for value in sorted(values))} N m", err=True)
     return tuple(sorted(values))
-
-
-def thickness(value: float) -> float:
-    """Thickness of the marking compound [um]; a line says so of one that looks like mm."""
-    if 0.0 < value < THINNEST_COMPOUND:
-        echo(f"--marking = {value:g}: thinner than any marking compound; um are meant, not mm?", err=True)
-    return value
 
 
 def assembly_errors(text: str) -> Misalignment | Deflections:

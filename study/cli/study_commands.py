@@ -295,8 +295,8 @@ def modify(
     from ..design.case_design import fit_modification, recorded_modification
     from ..design.optimal_modification import modify as modified
     from ..result import write_result
-    from ..summary.correction_report import modification_report
     from ..summary.result_summary import uncertified
+    from ..summary.settings_report import modification_report
 
     checked = opened_case(case, output, supports=supports)
     check_output(fitted_case, case, supports, suffix=".toml", force=force)
@@ -437,8 +437,8 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
     from ...cases import parse_case, write_case
     from ..design.optimization.setting_optimization import USUAL_OBJECTIVES, optimize as optimized
     from ..result import read_result, write_result
-    from ..summary.correction_report import setting_report
     from ..summary.result_summary import uncertified
+    from ..summary.settings_report import setting_report
 
     checked = opened_case(case, output)
     check_output(best_case, case, suffix=".toml", force=force)

@@ -24,7 +24,8 @@ from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import key_numbers
 from ..report.report_tables import loaded_numbers
 from ..result import CONDITIONS, VARIABLES, faults, load_case_faults
-from ..summary.assembly_report import (
+from ..summary import sweep_report
+from ..summary.assembly import (
     ERRORS,
     SHARES,
     bearing_loads,
@@ -34,19 +35,6 @@ from ..summary.assembly_report import (
 )
 from ..summary.load_case_summary import load_case_notes, load_case_summary, load_case_tables
 from ..summary.result_summary import contact_temperatures, efficiency_table, head_rows, result_notes, unloaded_rows
-from ..summary.sweep_report import (
-    SENSITIVE_NUMBERS,
-    SHOWN_PERCENT,
-    WORST_COUNT,
-    WORST_NUMBER,
-    failure_reasons,
-    outcome,
-    shown_numbers,
-    sweep_head,
-    sweep_summary,
-    sweep_tables,
-    sweep_title,
-)
 from ..summary.table import html_table, html_text, left_out
 from ..sweep.reductions import LOADS, numbers, percentiles, point_dimensions, sensitivities, worst_points
 from ..sweep.sweep_file import is_sweep, sweep_faults, write_sweep
@@ -499,7 +487,7 @@ class SweepSummary(ShownSummary):
 
     def __init__(self, dataset: xr.Dataset) -> None:
         self._dataset = _checked_sweep(dataset)
-        self.text = sweep_summary(dataset)
+        self.text = sweep_report.sweep_summary(dataset)
 
     @cached_property
     def tables(self) -> dict[str, pd.DataFrame]:
@@ -612,12 +600,12 @@ def sweep_frames(dataset: xr.Dataset) -> dict[str, pd.DataFrame]:
     loads = [name for name in LOADS if name in dataset.dims]
     rows = (*point_dimensions(dataset), *loads)
     frames = {"points": _whole(dataset, rows)}
-    known = shown_numbers(dataset)
+    known = sweep_report.shown_numbers(dataset)
     if not known:
         return frames
-    reduced = percentiles(dataset, SHOWN_PERCENT, known)
+    reduced = percentiles(dataset, sweep_report.SHOWN_PERCENT, known)
     frames["percentiles"] = _whole(reduced, ("percentile", *(name for name in loads if name in reduced.dims)))
-    for name in SENSITIVE_NUMBERS:
+    for name in sweep_report.SENSITIVE_NUMBERS:
         try:
             sensitivity = sensitivities(dataset, name)
         except InputError:
@@ -625,8 +613,8 @@ def sweep_frames(dataset: xr.Dataset) -> dict[str, pd.DataFrame]:
         frames[f"sensitivities_{name}"] = _whole(
             sensitivity, ("coordinate", *(one for one in loads if one in sensitivity.dims))
         )
-    if WORST_NUMBER in numbers(dataset):
-        frames["worst"] = _whole(worst_points(dataset, WORST_NUMBER, WORST_COUNT), ("rank",))
+    if sweep_report.WORST_NUMBER in numbers(dataset):
+        frames["worst"] = _whole(worst_points(dataset, sweep_report.WORST_NUMBER, sweep_report.WORST_COUNT), ("rank",))
     return frames
 
 
@@ -637,16 +625,18 @@ def _whole(dataset: xr.Dataset, index: tuple[str, ...]) -> pd.DataFrame:
         {name: range(dataset.sizes[name]) for name in index if name not in dataset.coords}
     )
     sizes = {name: dataset.sizes[name] for name in index}
-    repeated = {
-        name: variable.variable.set_dims({**sizes, **variable.sizes}) for name, variable in data.data_vars.items()
-    }
+    repeated: dict[Any, Any] = {}
+    for name, one in data.data_vars.items():
+        repeated[name] = one.variable.set_dims({**sizes, **one.sizes})  # type: ignore[no-untyped-call]
     return frame_over(data.drop_vars(list(data.data_vars)).assign(repeated), index)
 
 
 def sweep_page(dataset: xr.Dataset) -> str:
     """Summary of a sweep in HTML without a style, as of ``easeoff show``."""
-    parts = [f"<h4>{html_text(sweep_title(dataset))}</h4>"]
-    parts.append(html_table([], [list(row) for row in sweep_head(dataset)]))
-    parts += [f"<p>{html_text(line)}</p>" for line in (outcome(dataset), *failure_reasons(dataset))]
-    parts += [table.html() for table in sweep_tables(dataset)]
+    parts = [f"<h4>{html_text(sweep_report.sweep_title(dataset))}</h4>"]
+    parts.append(html_table([], [list(row) for row in sweep_report.sweep_head(dataset)]))
+    parts += [
+        f"<p>{html_text(line)}</p>" for line in (sweep_report.outcome(dataset), *sweep_report.failure_reasons(dataset))
+    ]
+    parts += [table.html() for table in sweep_report.sweep_tables(dataset)]
     return "<div>\n" + "\n".join(parts) + "\n</div>"

@@ -19,32 +19,25 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from ...contact.evaluation.pressure_map import PressureMap, pressure_map
-from ...contact.evaluation.tooth_passage import (
-    CYCLES,
-    ToothPassage,
-    pairs_in_view,
-    tooth_passage,
-    two_cycles,
-    unloaded_curves,
-)
+from ...contact.evaluation.tooth_passage import CYCLES, pairs_in_view, two_cycles, unloaded_curves
 from ...contact.outcomes import Status
 from ...core.arrays import Array
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..summary.curves import CYCLE, Chart, root_stress_charts, torque_name, transmission_error_charts
+from ..summary.curves import (
+    CYCLE,
+    Chart,
+    mean_pairs_in_contact,
+    root_stress_charts,
+    share_passage,
+    torque_name,
+    transmission_error_charts,
+)
 from ..summary.plausibility import edge_notes, jump_notes
 from .axes_style import label_axes, legend_of_curves, panel_titles, plain_axes, plain_bar, plain_legend, torque_colours
 from .drawing_style import picture
 from .page import SEPARATOR, in_print
-from .panel_grid import (
-    PANEL_COUNT_LIMIT,
-    AxesChoice,
-    chosen_parts,
-    chosen_torques,
-    evenly_chosen,
-    panels,
-    require_result,
-)
+from .panel_grid import AxesChoice, chosen_parts, chosen_torques, evenly_chosen, panels, require_result
 from .style import BLUE, FAINT, GREEN, GREY, INK, PRESSURE_MAP, SMALL_SIZE, VERMILION, WIDTH
 from .tooth_view import ToothView, draw_flank, flank_views, shared_aspect, side_by_side
 
@@ -104,7 +97,7 @@ def transmission_error(
     require_result(tree)
     unloaded, loaded = tree["unloaded"].to_dataset(), tree["loaded"].to_dataset()
     if torque is not None:
-        loaded = loaded.isel(torque=chosen_torques(loaded["torque"].values, torque, 0))
+        loaded = loaded.isel(torque=chosen_torques(loaded["torque"].values, torque))
     names = chosen_parts(tuple(HEIGHTS), parts)
     note = "rotation of the gear, positive where the gear lags"
     heights = [HEIGHTS[name] for name in names]
@@ -196,25 +189,6 @@ NAME_WIDTH = 0.15  # of a pair's name [cycles]
 COLOURS = (BLUE, VERMILION, GREEN)
 
 
-def share_passage(at_torque: xr.Dataset) -> ToothPassage:
-    """Share of the torque of one tooth pair over its passage, NaN outside contact but for a zero at both ends."""
-    course = tooth_passage(at_torque["pair"].values, at_torque["load_share"].transpose("pair", "mesh_position").values)
-    share = course.values
-    loaded = share > 0.0
-    beside = loaded.copy()
-    beside[1:] |= loaded[:-1]
-    beside[:-1] |= loaded[1:]
-    return ToothPassage(course.first, course.per_cycle, np.where(beside, share, np.nan))
-
-
-def mean_pairs_in_contact(at_torque: xr.Dataset) -> float:
-    """Tooth pairs under load at the same time, on average over the mesh cycle; NaN if a position has no solution."""
-    share = at_torque["load_share"].transpose("pair", "mesh_position").values
-    if np.any(np.all(np.isnan(share), axis=0)):
-        return float("nan")
-    return float(np.mean(np.sum(share > 0.0, axis=0)))
-
-
 @picture
 def load_sharing(
     tree: xr.DataTree, *, torque: float | Sequence[float] | None = None, axes: AxesChoice = None
@@ -247,7 +221,7 @@ def load_sharing(
     require_result(tree)
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
-    chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
+    chosen = chosen_torques(torques, torque)
     columns = 1 if chosen.size <= 3 else 2
     rows = -(-chosen.size // columns)
     note = "" if chosen.size == torques.size else f"{chosen.size} of {torques.size} torques"
@@ -348,7 +322,7 @@ def pressure(
     views = flank_views(tree, member)
     loaded = tree["loaded"].to_dataset()
     torques = loaded["torque"].values
-    chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
+    chosen = chosen_torques(torques, torque)
     shown = loaded.isel(torque=chosen)
     maps = [pressure_map(loaded.isel(torque=int(i))) for i in chosen]
     note = "+ peak, dashed: boundary of the common flank"
@@ -467,7 +441,7 @@ def root_stress(
     require_result(tree, "root_stress")
     stress = tree["root_stress"].to_dataset()
     torques = stress["torque"].values
-    chosen = chosen_torques(torques, torque, PANEL_COUNT_LIMIT)
+    chosen = chosen_torques(torques, torque)
     names, members = chosen_parts(tuple(ROOT_STRESS_PARTS), parts), chosen_parts(MEMBERS, member, "member")
     note = "greatest tensile stress around the fillet of the loaded side, over the mesh cycle or anywhere on the face"
     note += "" if torque is not None or chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"

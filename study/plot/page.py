@@ -13,7 +13,7 @@ import xarray as xr
 from ...core.errors import printable
 from ...core.output_file import whole_file
 from ..analysis.key_numbers import deviations, model_name, modification
-from ..summary.assembly_report import error_values, misalignment_over_torque
+from ..summary.assembly import error_values, misalignment_over_torque
 from ..summary.table import with_signs
 from .style import BODY_SIZE, GREY, HEADING_SIZE, INK, SMALL_SIZE, WIDTH
 

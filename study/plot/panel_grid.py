@@ -95,10 +95,10 @@ def middle(values: NDArray[Any]) -> int:
     return int(np.argsort(values)[(values.size - 1) // 2])
 
 
-def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None, most: int) -> Integers:
-    """Indices of the wanted among torques (n) [N m]; if none is wanted, of at most ``most``, spread evenly."""
+def chosen_torques(torques: NDArray[Any], wanted: float | Sequence[float] | None) -> Integers:
+    """Indices of the wanted among torques (n) [N m]; if none is wanted, of as many as find room, spread evenly."""
     if wanted is None:
-        return evenly_chosen(torques, most)
+        return evenly_chosen(torques)
     indices = []
     for torque in distinct("torque", wanted, "N m"):
         near = np.flatnonzero(np.isclose(torques, torque, rtol=TORQUE_TOLERANCE, atol=0.0))

@@ -14,7 +14,7 @@ from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import InputError
 from ...geometry.pair.gear_pair import MEMBERS
-from ..summary.assembly_report import misalignment_over_torque
+from ..summary.assembly import misalignment_over_torque
 from ..summary.curves import Chart, torque_name, wear_charts
 from ..summary.quantities import TITLES, UNIT_SIGNS
 from ..summary.sweep_report import SIGNS, totals

@@ -20,7 +20,7 @@ from ...core.checks import distinct, file_path, one_of, whole
 from ...core.errors import InputError, printable
 from ...core.netcdf_file import tree_or_none
 from ..result import VARIABLES, checked_given, read_result
-from ..summary.assembly_report import misalignment_over_torque
+from ..summary.assembly import misalignment_over_torque
 from ..sweep.sweep_file import checked_sweep, is_sweep
 from .contact_pattern_chart import contact_pattern
 from .drawing_style import drawing
@@ -257,7 +257,7 @@ def _require_torques(results: Sequence[xr.DataTree | xr.Dataset], torques: Seque
     if len(trees) != len(results):
         raise InputError("torque: must go with a result of 'easeoff run' without load cases")
     for tree in trees:
-        chosen_torques(tree["loaded"].to_dataset()["torque"].values, torques, 0)
+        chosen_torques(tree["loaded"].to_dataset()["torque"].values, torques)
 
 
 def _remove_earlier(result: xr.DataTree | xr.Dataset, folder: Path, written: Sequence[Path]) -> None:

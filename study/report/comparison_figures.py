@@ -21,24 +21,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, NullFormatter, PercentFormatter
 
 from ...core.arrays import Array
+from ..compare import method_statistics as statistics
 from ..compare.attempt import COLD, RAW, SETTINGS
-from ..compare.method_statistics import (
-    TIMES,
-    MethodName,
-    by_problem,
-    data_profile,
-    growth,
-    has_sweep,
-    headline,
-    merit,
-    methods,
-    of_method,
-    pairwise_matrix,
-    performance_profile,
-    run_time_table,
-    time_of,
-    work_precision,
-)
+from ..compare.method_statistics import TIMES, MethodName, by_problem, has_sweep, headline, methods, of_method, time_of
 from ..plot.axes_style import label_axes, plain_axes
 from ..plot.page import save, titled_sheet
 from ..plot.style import GREY, INK, SMALL_SIZE
@@ -72,7 +57,7 @@ def panels(problems: Any, time_limit: float) -> list[tuple[str, list[MethodName]
     used = [name for name in SETTINGS if any(method[1] == name for method in named)]
     if not used:
         return []
-    first = sorted(_of_panel(named, used[0]), key=lambda one: merit(problems, one, time_limit))
+    first = sorted(_of_panel(named, used[0]), key=lambda one: statistics.merit(problems, one, time_limit))
     rank = {method[0]: number for number, method in enumerate(first)}
     return [(name, sorted(_of_panel(named, name), key=lambda one: rank.get(one[0], len(rank)))) for name in used]
 
@@ -155,7 +140,7 @@ def draw_performance_profile(dataset: xr.Dataset, problems: Any) -> Figure:
         dataset,
         problems,
         ("Performance profile", "share of problems solved within a factor of the fastest"),
-        performance_profile,
+        statistics.performance_profile,
         ("{time}, over that of the fastest", 1.0),
     )
 
@@ -166,7 +151,7 @@ def draw_data_profile(dataset: xr.Dataset, problems: Any) -> Figure:
         dataset,
         problems,
         ("Data profile", "share of problems solved within a run time; no curve depends on another"),
-        lambda times: data_profile(1e3 * times),
+        lambda times: statistics.data_profile(1e3 * times),
         ("{time} [ms]", None),
     )
 
@@ -185,7 +170,7 @@ def _profile_figure(
     grid = figure.subplots(len(shown), 1, squeeze=False)[:, 0]
     label, left = axis[0].format(time=TIMES[time_of(dataset)]), axis[1]
     for axes, (settings, named) in zip(grid, shown, strict=True):
-        compared = run_time_table(problems, named)
+        compared = statistics.run_time_table(problems, named)
         limit, share = profile(compared.to_numpy(dtype=float).T)
         if not limit.size:
             limit, share = np.ones(1), np.zeros((len(named), 1))
@@ -210,8 +195,8 @@ def _profile_figure(
 def draw_pairs(dataset: xr.Dataset, problems: Any) -> Figure:
     """Share of problems that the solver of the row solves in at most the time of that of the column."""
     named = headline(_named(dataset, problems))
-    compared = run_time_table(problems, named)
-    share = pairwise_matrix(compared.to_numpy(dtype=float).T)
+    compared = statistics.run_time_table(problems, named)
+    share = statistics.pairwise_matrix(compared.to_numpy(dtype=float).T)
     count = len(named)
     figure = titled_sheet(
         "Pairs of solvers",
@@ -272,7 +257,7 @@ def draw_growth(dataset: xr.Dataset, problems: Any) -> Figure:
             size, time = records["size"].to_numpy(dtype=float), records["run_time"].to_numpy(dtype=float)
             known = np.isfinite(time)
             line = style(method[0], problems)
-            fit = growth(size, time)
+            fit = statistics.growth(size, time)
             label = method[0] if fit is None else f"{method[0]}  n^{fit[1]:.2f}".replace("-", "−")
             if not known.any():
                 label = f"{method[0]}  none certified"
@@ -301,7 +286,7 @@ def _runs(dataset: xr.Dataset) -> set[tuple[str, float]]:
 def draw_work_precision(dataset: xr.Dataset, problems: Any) -> Figure:
     """Time of the fastest run that reaches a certified accuracy, and the share of problems on which one does."""
     rank = [method[0] for method in headline(methods(problems, float(dataset.attrs["time_limit_s"])))]
-    curves = sorted(work_precision(dataset), key=lambda one: rank.index(one.solver))
+    curves = sorted(statistics.work_precision(dataset), key=lambda one: rank.index(one.solver))
     count = len(problems.drop_duplicates(["problem_file", "problem"]))
     figure = titled_sheet(
         "Work and precision",

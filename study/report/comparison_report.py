@@ -24,31 +24,19 @@ from ...core.checks import shown
 from ...core.errors import InputError
 from ...core.output_file import whole_file
 from ...core.regular_file import parsed_json
+from ..compare import method_statistics as statistics
 from ..compare.attempt import COLD, HEADLINE, SETTINGS, STARTING_SOLVERS, WARM, polishes_itself
 from ..compare.comparison_table import RESIDUALS
 from ..compare.method_statistics import (
     METHOD_COLUMNS,
-    MISS_FACTOR,
-    PROBLEM_COLUMNS,
-    PROCESSOR,
-    RUN_TIME_SHIFT,
-    SIZE_COUNT_MINIMUM,
     TIMES,
     MethodName,
-    WorkPrecision,
     by_problem,
-    growth,
     has_sweep,
     headline,
     methods,
     of_method,
-    pairwise_matrix,
-    run_time_table,
-    shifted_geometric_mean,
-    sweep_points,
     time_of,
-    waiting_solvers,
-    work_precision,
 )
 
 #: What stands for a number that there is not.
@@ -250,7 +238,7 @@ def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]
 
     def cells(records: Any) -> list[str]:
         times = records["run_time"].to_numpy(dtype=float)
-        mean = shifted_geometric_mean(np.where(np.isfinite(times), times, limit), RUN_TIME_SHIFT)
+        mean = statistics.shifted_geometric_mean(np.where(np.isfinite(times), times, limit), statistics.RUN_TIME_SHIFT)
         spread = quantiles(records["spread"][records["certified"]], (0.5, 0.9))
         return [*map(milliseconds, [mean, *quantiles(records["run_time"])]), *map(ratio, spread)]
 
@@ -258,7 +246,7 @@ def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]
     head = ["mean [ms]", "median [ms]", "90 % [ms]", "longest [ms]", "spread", "spread, 90 %"]
     note = (
         f"Time: {TIMES[time_of(dataset)]}. *Mean*: shifted geometric mean over the problems, shift "
-        f"{1e3 * RUN_TIME_SHIFT:g} ms, each with the median of "
+        f"{1e3 * statistics.RUN_TIME_SHIFT:g} ms, each with the median of "
         "its repetitions; one that is not certified counts with the time limit, "
         f"{1e3 * limit:g} ms. The other columns are over certified problems. *Spread*: longest over shortest run time "
         "of the repetitions of a problem, its median and 90 % quantile; a dash where there is one repetition."
@@ -268,11 +256,11 @@ def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]
 
 def waiting_note(dataset: xr.Dataset) -> str | None:
     """Warning that the machine was busy, naming the solvers that waited; None where none did."""
-    waited = waiting_solvers(dataset)
+    waited = statistics.waiting_solvers(dataset)
     if not waited:
         return None
     named = ", ".join(f"{solver} {factor:.3g}" for solver, factor in waited.items())
-    advice = "" if time_of(dataset) == PROCESSOR else "; measure anew, or compare by --time processor"
+    advice = "" if time_of(dataset) == statistics.PROCESSOR else "; measure anew, or compare by --time processor"
     return f"The machine was busy: median of wall over processor time, which is 1 on an idle one: {named}{advice}."
 
 
@@ -312,7 +300,9 @@ def start_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
         return None
     rows = []
     for solver, settings, _ in warm_methods:
-        cold, warm = (of_method(problems, (solver, settings, one)).set_index(PROBLEM_COLUMNS) for one in (COLD, WARM))
+        cold, warm = (
+            of_method(problems, (solver, settings, one)).set_index(statistics.PROBLEM_COLUMNS) for one in (COLD, WARM)
+        )
         both = warm.join(cold.add_suffix("_cold"), how="inner")
         solved = both[both["certified"] & both["certified_cold"]]
         counts = [len(both), *(int(both[name].sum()) for name in ("certified_cold", "certified"))]
@@ -341,8 +331,8 @@ def pair_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
     chosen = headline(named)
     if len(chosen) < 2:
         return None
-    times = run_time_table(problems, chosen).to_numpy(dtype=float).T
-    shares = [pairwise_matrix(times, factor) for factor in PAIR_FACTORS]
+    times = statistics.run_time_table(problems, chosen).to_numpy(dtype=float).T
+    shares = [statistics.pairwise_matrix(times, factor) for factor in PAIR_FACTORS]
     rows = [
         [first[0], second[0], *(f"{100.0 * share[i, j]:.1f}" for share in shares)]
         for i, first in enumerate(chosen)
@@ -365,7 +355,9 @@ def growth_table(problems: Any, named: list[MethodName]) -> ReportTable | None:
     for method in headline(named):
         records = of_method(problems, method)
         fits = [
-            growth(*(records[group_of(records) == group][name].to_numpy(dtype=float) for name in ("size", "run_time")))
+            statistics.growth(
+                *(records[group_of(records) == group][name].to_numpy(dtype=float) for name in ("size", "run_time"))
+            )
             for group in groups
         ]
         rows.append([method[0], *(NOTHING if fit is None else f"{fit[1]:.2f}" for fit in fits)])
@@ -388,7 +380,7 @@ def size_groups(problems: Any) -> list[str]:
     widths = {}
     for group, records in problems.groupby(group_of(problems), sort=False):
         sizes = np.unique(records["size"].to_numpy(dtype=float))
-        if sizes.size >= SIZE_COUNT_MINIMUM and (sizes[1:] / sizes[:-1]).max() <= LARGEST_SIZE_STEP:
+        if sizes.size >= statistics.SIZE_COUNT_MINIMUM and (sizes[1:] / sizes[:-1]).max() <= LARGEST_SIZE_STEP:
             widths[str(group)] = float(sizes[-1] / sizes[0])
     return sorted((name for name in widths if widths[name] >= SIZE_SPAN_MINIMUM), key=lambda name: -widths[name])
 
@@ -396,7 +388,7 @@ def size_groups(problems: Any) -> list[str]:
 def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[ReportTable]:
     """Time and share of problems by certified accuracy, and the outcome at each tolerance."""
     rank = {method[0]: number for number, method in enumerate(headline(named))}
-    curves = sorted(work_precision(dataset), key=lambda one: rank[one.solver])
+    curves = sorted(statistics.work_precision(dataset), key=lambda one: rank[one.solver])
     columns = range(1, curves[0].accuracy.size, ACCURACY_STEP)
     head = ["solver", *(f"{curves[0].accuracy[i]:.0e}" for i in columns)]
     rows = [[curve.solver, *(_work(curve, i) for i in columns)] for curve in curves]
@@ -411,7 +403,7 @@ def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[
             point.missed if point.tolerance else NOTHING,
             *(*map(residual, (point.posed, point.median, point.worst)), milliseconds(point.run_time)),
         ]
-        for point in sorted(sweep_points(dataset), key=lambda one: (rank[one.solver], -one.tolerance))
+        for point in sorted(statistics.sweep_points(dataset), key=lambda one: (rank[one.solver], -one.tolerance))
     ]
     counts, residuals = ["problems", "says solved", "misses it"], ["worst as posed", "median", "worst"]
     return [
@@ -422,8 +414,9 @@ def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[
             points,
             f"*Tolerance*: given to the solver; *table*: its settings of `{HEADLINE}`. Solvers without a tolerance "
             "have that row alone. *Misses it*: says solved, but primal residual, dual residual or duality gap on the "
-            f"problem as the solver got it, over one plus the size of its terms, exceeds {MISS_FACTOR:g} times the "
-            "tolerance; *worst as posed* is the largest of them. *Median*, *worst*: certificates.",
+            "problem as the solver got it, over one plus the size of its terms, exceeds "
+            f"{statistics.MISS_FACTOR:g} times the tolerance; *worst as posed* is the largest of them. *Median*, "
+            "*worst*: certificates.",
             "Outcome at each tolerance:",
         ),
     ]
@@ -440,7 +433,7 @@ def own_polish_note(named: list[MethodName]) -> str | None:
     )
 
 
-def _work(curve: WorkPrecision, i: int) -> str:
+def _work(curve: statistics.WorkPrecision, i: int) -> str:
     return f"{milliseconds(float(curve.run_time[i]))} ({100.0 * curve.share[i]:.0f} %)"
 
 

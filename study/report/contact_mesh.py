@@ -34,7 +34,7 @@ from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import tooth_patches
 from ..plot.panel_grid import require_result
 from ..plot.tooth_view import ToothView, fine_grid, tooth_view
-from ..summary.assembly_report import ERRORS
+from ..summary.assembly import ERRORS
 from .page_data import gear_raster, packed, packed_exactly, rasterised
 
 #: Tables that may name other files, which a report does not open.
@@ -435,7 +435,7 @@ class TeethInMesh:
 
         loaded = tree["loaded"].to_dataset()
         torques = loaded["torque"].values
-        index = int(np.argmax(torques)) if torque is None else int(chosen_torques(torques, torque, 1)[0])
+        index = int(np.argmax(torques)) if torque is None else int(chosen_torques(torques, torque)[0])
         case = stored_case(tree)
         if case is None:
             raise InputError("the result keeps no case that can be read: its teeth cannot be made; analyse it anew")

@@ -391,7 +391,7 @@ def modification_part(tree: xr.DataTree) -> dict[str, Any] | None:
     """Modification of the ease-off as a raster and a table, and what an optimization reached; ``None`` without one."""
     if "modification" not in tree.children:
         return None
-    from ..summary.correction_report import assembly_rows, assembly_title, terms  # most results have none
+    from ..summary.settings_report import assembly_rows, assembly_title, terms  # most results have none
 
     surface = tree["modification"].to_dataset()
     part: dict[str, Any] = {

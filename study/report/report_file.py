@@ -29,23 +29,14 @@ from ..plot.panel_grid import evenly_chosen, middle
 from ..plot.tooth_view import tooth_view
 from ..result import ACCEPTED, DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, kind_of, require_kind, require_layout
 from ..summary import curves
-from ..summary.assembly_report import deflection_tables, supports_tables
+from ..summary.assembly import deflection_tables, supports_tables
 from ..summary.quantities import roughness_words
 from ..summary.result_summary import head_rows, result_notes
 from ..summary.sweep_report import SIGNS, places_table, reasons, totals
 from ..summary.table import with_signs
-from . import page_data
+from . import page_data, report_tables
 from .contact_mesh import mesh_scene, stored_case
 from .page_data import packed
-from .report_tables import (
-    case_tables,
-    efficiency_rows,
-    first_numbers,
-    load_case_rows,
-    loaded_numbers,
-    mean_pitch_radius,
-    unloaded_numbers,
-)
 
 RESULT_COUNT_LIMIT = 6  # with pictures in one report
 
@@ -259,7 +250,7 @@ def report_page(results: Mapping[str, Given], author: str = "") -> str:
         "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
         "checks": [vh_part(name, check) for name, check in given.checks.items()],
         "wear": [page_data.wear_part(name, worn) for name, worn in given.wear.items()],
-        "load_cases": [{"name": name, **load_case_rows(tree)} for name, tree in given.load_cases.items()],
+        "load_cases": [{"name": name, **report_tables.load_case_rows(tree)} for name, tree in given.load_cases.items()],
         "notes": given.notes,
     }
     title = " · ".join(dict.fromkeys(str(one.attrs.get("title", "")) for one in results.values()))
@@ -289,9 +280,10 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
     """Everything that the page shows of one result."""
     case = stored_case(tree)
     loaded = tree["loaded"].to_dataset()
-    under_load = loaded_numbers(tree, case)
+    under_load = report_tables.loaded_numbers(tree, case)
     views = (tooth_view(tree), tooth_view(tree, "pinion"))
     chosen = evenly_chosen(loaded["torque"].values, min(TORQUE_LIMIT, max(2, TORQUE_COUNT // count)))
+    radius = None if case is None else report_tables.mean_pitch_radius(case)
     content: dict[str, Any] = {
         "name": name,
         "title": printable(str(tree.attrs["title"])),
@@ -299,8 +291,8 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "head": [[left, with_signs(printable(right))] for left, right in [*head_rows(tree), *_analysed(tree)]],
         "notes": [with_signs(printable(note)) for note in result_notes(tree)],
         "misalignment": [table.page() for table in deflection_tables(tree)],
-        "case": [] if case is None else case_tables(case),
-        "unloaded_numbers": unloaded_numbers(tree),
+        "case": [] if case is None else report_tables.case_tables(case),
+        "unloaded_numbers": report_tables.unloaded_numbers(tree),
         "loaded_numbers": under_load,
         "supports": [table.page() for table in supports_tables(tree)],
         "deviations": page_data.deviation_fields(tree, case, views),
@@ -315,9 +307,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
         "pressure": page_data.pressure_fields(loaded, chosen, views),
         "segments": page_data.segments(loaded, chosen, views),
         "charts": {
-            "error": curves.transmission_error_charts(
-                tree["unloaded"].to_dataset(), loaded, chosen, None if case is None else mean_pitch_radius(case)
-            ),
+            "error": curves.transmission_error_charts(tree["unloaded"].to_dataset(), loaded, chosen, radius),
             "contact": curves.contact_charts(tree, chosen),
         },
         "over_torque": page_data.over_torque(tree),
@@ -342,10 +332,10 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
             "speeds": friction["speed"].values[speeds].tolist(),
             "fields": page_data.friction_fields(tree, chosen, speeds, at, views[0]),
             "map": page_data.efficiency_map(friction, at),
-            "table": efficiency_rows(friction, loaded),
+            "table": report_tables.efficiency_rows(friction, loaded),
         }
     content["charts"] = {part: list(map(page_data.packed_chart, own)) for part, own in content["charts"].items()}
-    content["first_numbers"] = first_numbers(tree, under_load, condition)
+    content["first_numbers"] = report_tables.first_numbers(tree, under_load, condition)
     return content
 
 

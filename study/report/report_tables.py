@@ -26,22 +26,9 @@ from ...geometry.pair.tooth_thickness import mean_cone_distances, mean_normal_th
 from ...geometry.tooth.tooth_flanks import named_member, placed_flanks, tooth_angle
 from ..analysis.key_numbers import key_numbers
 from ..result import CONDITIONS
+from ..summary import quantities
 from ..summary.load_case_summary import duty_lines, load_case_notes, load_case_tables
-from ..summary.quantities import (
-    EDGE_SHARE,
-    ERROR_ALONG_NORMAL,
-    ERROR_AT_RADIUS,
-    FRICTION,
-    GEAR_TORQUE,
-    LOADED,
-    PINION_POWER,
-    ROOT_STRESS,
-    STIFFNESS_BY_WIDTH,
-    UNLOADED,
-    Quantity,
-    harmonic,
-    roughness_words,
-)
+from ..summary.quantities import Quantity, harmonic, roughness_words
 from ..summary.result_summary import condition_words, end_name
 from ..summary.table import with_signs
 
@@ -167,7 +154,9 @@ def unloaded_numbers(tree: xr.DataTree) -> list[list[str]]:
     """Rows name, unit, variable and value of the contact without load."""
     numbers = key_numbers(tree)
     rows = [
-        _row(quantity, path, [float(numbers[name])]) for name, (quantity, path) in UNLOADED.items() if name in numbers
+        _row(quantity, path, [float(numbers[name])])
+        for name, (quantity, path) in quantities.UNLOADED.items()
+        if name in numbers
     ]
     orders = zip(numbers["order"].values, numbers["unloaded_harmonic"].values, strict=True)
     return rows + [_row(harmonic(order), "unloaded.harmonics", [value]) for order, value in orders]
@@ -182,7 +171,7 @@ def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any
     loaded = tree["loaded"].to_dataset()
     rows = [
         _row(quantity, f"loaded/{variable}", numbers[variable].values)
-        for variable, quantity in LOADED.items()
+        for variable, quantity in quantities.LOADED.items()
         if variable in numbers
     ]
     rows += [
@@ -193,11 +182,11 @@ def loaded_numbers(tree: xr.DataTree, case: Case | None = None) -> dict[str, Any
         ends = [end_name(value) for value in numbers["max_pressure_line_end"].values]
         rows.append(["greatest pressure, inside or where its line ends", "", "loaded/max_pressure_line_end", *ends])
     if "max_edge_share" in numbers:
-        rows.append(_row(EDGE_SHARE, "loaded/edge_share", numbers["max_edge_share"].values))
+        rows.append(_row(quantities.EDGE_SHARE, "loaded/edge_share", numbers["max_edge_share"].values))
     rows += [*_along_pitch_circle(loaded, case), *_along_normal(tree, loaded)]
     if "max_root_stress" in numbers:
         for member in numbers["member"].values:
-            of_member = replace(ROOT_STRESS, label=f"{ROOT_STRESS.label}, {member}")
+            of_member = replace(quantities.ROOT_STRESS, label=f"{quantities.ROOT_STRESS.label}, {member}")
             values = numbers["max_root_stress"].sel(member=member).values
             rows.append(_row(of_member, "root_stress/max_root_stress", values))
     positions = loaded.sizes["mesh_position"]
@@ -213,16 +202,16 @@ def first_numbers(tree: xr.DataTree, under_load: dict[str, Any], condition: dict
     """
     torques = ordered(tree["loaded"].to_dataset(), "torque", "torque")
     ratio = float(tree.attrs["gear_teeth"]) / float(tree.attrs["pinion_teeth"])
-    rows = [_row(GEAR_TORQUE, "loaded/torque × ratio", ratio * torques)]
+    rows = [_row(quantities.GEAR_TORQUE, "loaded/torque × ratio", ratio * torques)]
     rows += [row for path in FIRST_PATHS for row in under_load["rows"] if row[2] == path]
     if condition is None:
         return {"torques": under_load["torques"], "rows": rows, "condition": ""}
     whole = tree["friction"].to_dataset()
     friction = whole.sel(condition)
     power = torques * condition["speed"] * math.pi / 30.0
-    rows.append(_row(PINION_POWER, "loaded/torque × friction/speed", power))
+    rows.append(_row(quantities.PINION_POWER, "loaded/torque × friction/speed", power))
     for variable in ("mean_power_loss", "efficiency"):
-        rows.append(_row(FRICTION[variable], f"friction/{variable}", ordered(friction, variable, "torque")))
+        rows.append(_row(quantities.FRICTION[variable], f"friction/{variable}", ordered(friction, variable, "torque")))
     speeds = f"{condition['speed']:g} 1/min of the pinion, {condition['speed'] / ratio:.4g} 1/min of the gear"
     rough = roughness_words(whole, int(np.argmax(whole["roughness"].values == condition["roughness"])))
     words = f"power, loss and efficiency at {speeds}, {condition['temperature']:g} °C, Rq {rough} µm"
@@ -242,7 +231,7 @@ def _along_pitch_circle(loaded: xr.Dataset, case: Case | None) -> list[list[str]
     if radius is None:
         return []
     source = f"loaded/peak_to_peak × {radius:.2f} mm (mean pitch radius of the gear, from blank)"
-    return [_row(ERROR_AT_RADIUS, source, radius * loaded["peak_to_peak"].values)]
+    return [_row(quantities.ERROR_AT_RADIUS, source, radius * loaded["peak_to_peak"].values)]
 
 
 def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
@@ -254,14 +243,14 @@ def _along_normal(tree: xr.DataTree, loaded: xr.Dataset) -> list[list[str]]:
     grid = ("lengthwise", "profile")
     arm = float(np.mean(ordered(ease_off, "lever_arm", *grid)[ordered(ease_off, "inside", *grid) == 1]))
     source = f"loaded/peak_to_peak × {arm:.2f} mm (mean of ease_off/lever_arm)"
-    rows = [_row(ERROR_ALONG_NORMAL, source, arm * loaded["peak_to_peak"].values)]
+    rows = [_row(quantities.ERROR_ALONG_NORMAL, source, arm * loaded["peak_to_peak"].values)]
     if "mean_mesh_stiffness" in loaded:
         position = ordered(tree["flanks"].to_dataset(), "position", "member", *grid, "xyz")[1]
         middle = position[:, position.shape[1] // 2]
         ends = middle[[0, -1]]
         width = float(np.hypot(*np.diff(np.stack([ends[:, 2], np.hypot(ends[:, 0], ends[:, 1])]), axis=1)[:, 0]))
         source = f"loaded/mean_mesh_stiffness / ({arm:.2f} mm)² / {width:.2f} mm (flanks/position)"
-        rows.append(_row(STIFFNESS_BY_WIDTH, source, loaded["mean_mesh_stiffness"].values / arm**2 / width))
+        rows.append(_row(quantities.STIFFNESS_BY_WIDTH, source, loaded["mean_mesh_stiffness"].values / arm**2 / width))
     return rows
 
 
@@ -270,7 +259,7 @@ def efficiency_rows(friction: xr.Dataset, loaded: xr.Dataset) -> dict[str, Any]:
 
     The greatest values over segments are over those that carry.
     """
-    columns = {variable: quantity for variable, quantity in FRICTION.items() if variable in friction}
+    columns = {variable: quantity for variable, quantity in quantities.FRICTION.items() if variable in friction}
     carries = loaded["pressure"].fillna(0.0) > 0.0
     over = [
         friction[variable].where(carries).max(["mesh_position", "segment"])

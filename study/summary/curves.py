@@ -10,11 +10,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...contact.evaluation.tooth_passage import unloaded_curves
+from ...contact.evaluation.tooth_passage import ToothPassage, tooth_passage, unloaded_curves
 from ...core.arrays import Array
 from ...core.attributes import ordered
 from ..result import CONDITIONS
-from .assembly_report import SHARES, bearing_loads
+from .assembly import SHARES, bearing_loads
 from .quantities import CONDITION_LABELS, FRICTION, LOADED, MEAN_ROUGHNESS, WEAR_DEPTH, Quantity, value_name
 
 OVER, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
@@ -238,6 +238,25 @@ def supports_charts(tree: xr.DataTree, chosen: NDArray[Any]) -> list[Chart]:
         ]
         charts += [Chart(name, curves, per=len(names))] if curves else []
     return charts
+
+
+def share_passage(at_torque: xr.Dataset) -> ToothPassage:
+    """Share of the torque of one tooth pair over its passage, NaN outside contact but for a zero at both ends."""
+    course = tooth_passage(at_torque["pair"].values, at_torque["load_share"].transpose("pair", "mesh_position").values)
+    share = course.values
+    loaded = share > 0.0
+    beside = loaded.copy()
+    beside[1:] |= loaded[:-1]
+    beside[:-1] |= loaded[1:]
+    return ToothPassage(course.first, course.per_cycle, np.where(beside, share, np.nan))
+
+
+def mean_pairs_in_contact(at_torque: xr.Dataset) -> float:
+    """Tooth pairs under load at the same time, on average over the mesh cycle; NaN if a position has no solution."""
+    share = at_torque["load_share"].transpose("pair", "mesh_position").values
+    if np.any(np.all(np.isnan(share), axis=0)):
+        return float("nan")
+    return float(np.mean(np.sum(share > 0.0, axis=0)))
 
 
 def root_stress_charts(stress: xr.Dataset, chosen: NDArray[Any]) -> list[Chart]:

@@ -13,10 +13,10 @@ import numpy as np
 import xarray as xr
 
 from ...core.errors import printable, shortened
-from .assembly_report import ERRORS, error_values
-from .plausibility import executed_settings
+from .assembly import ERRORS, error_values
+from .plausibility import doubts, executed_settings
 from .quantities import FRICTION, LOADED, ROOT_STRESS, Quantity
-from .result_summary import doubts, uncertified
+from .result_summary import uncertified
 from .table import Table, summary_text, underlined
 
 #: What load cases are, and their main numbers, by their variables.

@@ -30,7 +30,7 @@ from ...core.arrays import RealArray as Array
 from ...core.attributes import ROOT_RESOLUTION, ordered
 from ...geometry.pair.member_names import MEMBERS
 from ..result import CONDITIONS
-from .assembly_report import bearing_loads, towards_heel
+from .assembly import added_notes, bearing_loads, deflection_notes, towards_heel
 from .quantities import roughness_words
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
@@ -424,4 +424,25 @@ def _pulled(tree: xr.DataTree) -> list[str]:
     return [
         f"Note: bearings of a member carry axial load in the same sense ({'; '.join(phrases)}): of two opposed taper "
         "roller bearings one is relieved, which holds as long as its preload lasts; these springs hold in both senses."
+    ]
+
+
+def doubts(tree: xr.DataTree) -> list[str]:
+    """Notes on implausible numbers, extrapolation, supports, edges and line ends, pressures that jump, and friction."""
+    ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
+    loaded = tree["loaded"].to_dataset()
+    contact = [*edge_notes(loaded), *end_notes(loaded), *jump_notes(loaded)]
+    supported = [*added_notes(tree), *deflection_notes(tree), *supports_notes(tree)]
+    return [*plausibility(tree), *supported, *contact, *_searched(loaded), *ranges]
+
+
+def _searched(loaded: xr.Dataset) -> list[str]:
+    """Note on segments whose closest approach was searched for."""
+    searched = int(loaded.attrs.get("searched_segments", 0))  # older results lack the attribute
+    if not searched:
+        return []
+    lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum(["mesh_position", "segment"]).max())
+    return [
+        f"Note: at {searched} of {lines} segments the curvature of the flanks changes so quickly that the closest "
+        "approach was searched for; forces and pressures there are approximate."
     ]

@@ -18,24 +18,14 @@ from ...core.arrays import Bools
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
 from ..result import CONDITIONS, PATTERN
-from .assembly_report import (
-    added_notes,
-    deflection_notes,
+from .assembly import (
     deflection_tables,
     misalignment_over_torque,
     misalignment_words,
     supports_tables,
     supports_words,
 )
-from .plausibility import (
-    edge_notes,
-    end_notes,
-    executed_settings,
-    jump_notes,
-    plausibility,
-    range_notes,
-    supports_notes,
-)
+from .plausibility import doubts, executed_settings
 from .quantities import (
     EDGE_SHARE,
     FRICTION,
@@ -273,27 +263,6 @@ def uncertified(tree: xr.DataTree) -> list[str]:
         what = "mesh positions and conditions have no load distribution"
         lines += [f"friction fed back: {some} of {status.size} {what} {reasons}" for some, reasons in _failures(status)]
     return lines
-
-
-def doubts(tree: xr.DataTree) -> list[str]:
-    """Notes on implausible numbers, extrapolation, supports, edges and line ends, pressures that jump, and friction."""
-    ranges = range_notes(tree["friction"].to_dataset()) if "friction" in tree.children else []
-    loaded = tree["loaded"].to_dataset()
-    contact = [*edge_notes(loaded), *end_notes(loaded), *jump_notes(loaded)]
-    supported = [*added_notes(tree), *deflection_notes(tree), *supports_notes(tree)]
-    return [*plausibility(tree), *supported, *contact, *_searched(loaded), *ranges]
-
-
-def _searched(loaded: xr.Dataset) -> list[str]:
-    """Note on segments whose closest approach was searched for."""
-    searched = int(loaded.attrs.get("searched_segments", 0))  # older results lack the attribute
-    if not searched:
-        return []
-    lines = int((loaded["length"].notnull() & loaded["overhang"].isnull()).sum(["mesh_position", "segment"]).max())
-    return [
-        f"Note: at {searched} of {lines} segments the curvature of the flanks changes so quickly that the closest "
-        "approach was searched for; forces and pressures there are approximate."
-    ]
 
 
 def outcome(tree: xr.DataTree) -> str:

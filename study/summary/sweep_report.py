@@ -16,7 +16,7 @@ from ...core.errors import InputError, printable
 from ...geometry.pair.gear_pair import MEMBERS
 from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
 from ..sweep.sweep_file import PointStatus
-from .assembly_report import error_values
+from .assembly import error_values
 from .quantities import LOADED, WEAR_DEPTH
 from .table import Table, filled, underlined
 

@@ -29,7 +29,7 @@ from ...geometry.tooth.tooth_flanks import MemberName
 from ..analysis.operating import FrictionConditions, Operating
 from ..analysis.swept_quantity import Stage, swept_quantity
 from ..case_in_mesh import FlanksInMesh, case_attributes, deflection_attributes, prepared_pair
-from ..deviation_source import Deviated, Source, deviation_attributes, flank_deviations
+from ..deviations import Deviated, Source, deviation_attributes, flank_deviations
 from ..progress import shows_progress, told
 from .batch_analysis import Batch, BatchStore, Block, analyze_batch, assembly_errors
 from .engine import cluster_client, in_processes, in_this_process, on_cluster

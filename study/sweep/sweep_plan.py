@@ -37,7 +37,7 @@ from ..analysis.contact_analysis import case_torques
 from ..analysis.operating import Friction, FrictionConditions, Operating, analysis_size
 from ..analysis.swept_quantity import CONDITIONS, Stage, SweptQuantity, swept_quantity
 from ..case_in_mesh import FlanksInMesh, checked_case, prepared_pair
-from ..deviation_source import flank_deviations
+from ..deviations import flank_deviations
 
 Sampler = Literal["sobol", "latin_hypercube"]
 SAMPLE_COUNT_LIMIT = 2**24

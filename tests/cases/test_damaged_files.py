@@ -52,7 +52,7 @@ from easeoff.study import case_correction
 from easeoff.study.compare import comparison
 from easeoff.study.compare.attempt import Attempt
 from easeoff.study.compare.comparison_table import write_table
-from easeoff.study.deviation_source import flank_deviations
+from easeoff.study.deviations import flank_deviations
 from easeoff.study.library import entries
 from easeoff.study.library.library_files import write_part
 from easeoff.study.result import form_faults, load_case_faults

@@ -23,7 +23,7 @@ from easeoff.geometry import FlankName, Misalignment, deviation_from_formula, pa
 from easeoff.geometry.pair.ease_off import rolling
 from easeoff.study import WearLaw, wear
 from easeoff.study.case_in_mesh import prepared_pair
-from easeoff.study.deviation_source import flank_deviations
+from easeoff.study.deviations import flank_deviations
 
 SEGMENTS = 15
 NODES = (21, 15)

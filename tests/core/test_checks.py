@@ -242,7 +242,7 @@ def test_wrong_kinds_are_refused_by_name(call: Callable[[object], object], name:
         (lambda wrong: CaseInMesh.of(CASE, deviations=wrong), "deviations"),
         (lambda wrong: CaseInMesh.of(CASE, modification=wrong), "modification"),
         (lambda wrong: chosen_parts(("pinion", "gear"), wrong, "member"), "member"),
-        (lambda wrong: chosen_torques(np.ones(2), wrong, 1), "torque"),
+        (lambda wrong: chosen_torques(np.ones(2), wrong), "torque"),
         (lambda wrong: require_result(wrong), "tree"),
         (lambda wrong: panels(xr.DataTree(), "", 1.0, "", (1, 1), wrong), "axes"),
         (lambda wrong: next(study.library.generate(wrong)), "entries|entry"),

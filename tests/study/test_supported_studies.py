@@ -19,7 +19,7 @@ from easeoff.core.errors import GeometryError
 from easeoff.geometry import Misalignment
 from easeoff.study import CaseInMesh, WearLaw, wear
 from easeoff.study.analysis.contact_analysis import contact_analysis, in_assembly_under_load
-from easeoff.study.summary.result_summary import doubts
+from easeoff.study.summary.plausibility import doubts
 
 GROUPS = ["flanks", "ease_off", "teeth", "unloaded", "light_load", "misalignment", "supports", "loaded"]
 

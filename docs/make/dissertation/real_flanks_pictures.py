@@ -16,7 +16,7 @@ import easeoff
 from easeoff.cases import gear_pair
 from easeoff.contact.evaluation.pressure_map import pressure_map
 from easeoff.contact.evaluation.tooth_passage import two_cycles
-from easeoff.study.deviation_source import flank_deviations
+from easeoff.study.deviations import flank_deviations
 from easeoff.study.plot.axes_style import plain_axes, plain_bar
 from easeoff.study.plot.mesh_cycle_charts import draw_surface, pressure_levels
 from easeoff.study.plot.page import sheet

@@ -16,7 +16,7 @@ from easeoff.cases import gear_pair
 from easeoff.geometry import Deviation, GearPair, pair_geometry
 from easeoff.geometry.deviation.deviated_flank import deviated_ease_off
 from easeoff.study import WearLaw, wear
-from easeoff.study.deviation_source import deviated_geometry, flank_deviations
+from easeoff.study.deviations import deviated_geometry, flank_deviations
 
 DUTY = {100.0: 0.4, 200.0: 0.3, 300.0: 0.2, 400.0: 0.1}
 TORQUES = (25.0, 50.0, 100.0, 200.0, 300.0, 400.0)

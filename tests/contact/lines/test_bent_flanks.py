@@ -21,7 +21,7 @@ from easeoff.geometry import Deviation, GearPair, deviation_from_formula
 from easeoff.geometry.deviation.deviated_flank import deviated_pair
 from easeoff.geometry.formats import cmm_points, measured_grid, write_measured_grid
 from easeoff.geometry.tooth.tooth_flanks import named_member
-from easeoff.study.deviation_source import require_line_contact
+from easeoff.study.deviations import require_line_contact
 from easeoff.verification import FlanksInMesh, flanks_in_mesh
 from easeoff.verification.surface_cells import exact_gap
 

@@ -51,9 +51,9 @@ from easeoff.geometry.tooth.tooth_flanks import MemberName, Side, side
 from easeoff.study import correct_case, measured_file, summary_sheet
 from easeoff.study.case_correction import CaseCorrection
 from easeoff.study.report.report_file import report_page
-from easeoff.study.summary.correction_report import correction_report, root_warnings
 from easeoff.study.summary.load_case_summary import load_case_notes
 from easeoff.study.summary.result_summary import result_notes
+from easeoff.study.summary.settings_report import correction_report, root_warnings
 from easeoff.verification import correction_loop
 from easeoff.verification.correction_loop import (
     SIDES,

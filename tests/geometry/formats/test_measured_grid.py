@@ -30,7 +30,7 @@ from easeoff.geometry.formats import (
     write_measured_grid,
 )
 from easeoff.geometry.tooth.tooth_flanks import MemberName, named_member, side
-from easeoff.study.deviation_source import flank_deviations
+from easeoff.study.deviations import flank_deviations
 from easeoff.study.geometry_export import export_points
 
 FORMS = (".csv", ".nc", ".dmi")

@@ -45,8 +45,8 @@ from easeoff.study import DesignReport, design_case, rounded_case, rounding_effe
 from easeoff.study.analysis.key_numbers import key_numbers
 from easeoff.study.design import case_design
 from easeoff.study.design.design_check import unfinished_teeth
-from easeoff.study.summary.correction_report import unit_of
 from easeoff.study.summary.plausibility import edge_notes
+from easeoff.study.summary.settings_report import unit_of
 
 NAMES = list(shipped_designs())
 WITH_CASE = [name for name in NAMES if name in shipped_cases()]

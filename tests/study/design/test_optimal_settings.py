@@ -46,7 +46,7 @@ from easeoff.study.design.optimization.analysed_settings import (
 from easeoff.study.design.optimization.free_setting import SettingSpace, free_settings, with_limits
 from easeoff.study.design.optimization.setting_optimization import corner_assemblies, sampled_assemblies
 from easeoff.study.design.optimization.setting_search import SettingSearch, first_workshop
-from easeoff.study.summary.correction_report import setting_report
+from easeoff.study.summary.settings_report import setting_report
 
 RADIAL, ROLL = "pinion.concave.machine.radial_distance", "pinion.concave.machine.ratio_of_roll"
 TWO = [RADIAL, ROLL]

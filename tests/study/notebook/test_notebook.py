@@ -26,7 +26,7 @@ from easeoff.contact.evaluation.pressure_map import LineEnd
 from easeoff.core.import_hooks import after_import, show_figures_in_notebooks
 from easeoff.geometry import Misalignment
 from easeoff.study import analyze_load_cases, key_numbers
-from easeoff.study.summary.assembly_report import bearing_loads
+from easeoff.study.summary.assembly import bearing_loads
 from easeoff.study.summary.result_summary import CLAMPED_NOTE, ROUGH_NOTE, result_summary, unloaded_rows
 from easeoff.study.summary.sweep_report import sweep_head, sweep_summary, sweep_tables
 from easeoff.study.summary.table import html_table, html_text

@@ -45,8 +45,6 @@ from easeoff.study.plot.friction_charts import (
     velocity_maps,
 )
 from easeoff.study.plot.mesh_cycle_charts import (
-    mean_pairs_in_contact,
-    share_passage,
     transmission_error,
 )
 from easeoff.study.plot.page import even_lines, small_print
@@ -54,7 +52,7 @@ from easeoff.study.plot.panel_grid import evenly_chosen
 from easeoff.study.plot.tooth_view import ToothView, tick_step, tooth_view
 from easeoff.study.plot.topography_chart import contour_levels, ease_off_map
 from easeoff.study.plot.written_pictures import PICTURES
-from easeoff.study.summary.curves import torque_name
+from easeoff.study.summary.curves import mean_pairs_in_contact, share_passage, torque_name
 
 Array = NDArray[Any]
 

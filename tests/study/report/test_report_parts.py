@@ -31,7 +31,7 @@ from easeoff.study import analyze_load_cases, write_report
 from easeoff.study.report import report_file
 from easeoff.study.report.report_file import RESULT_COUNT_LIMIT, GivenResults, by_name, report_page
 from easeoff.study.report.report_tables import load_case_rows
-from easeoff.study.summary.assembly_report import bearing_loads, supports_tables, supports_words
+from easeoff.study.summary.assembly import bearing_loads, supports_tables, supports_words
 from easeoff.study.summary.result_summary import result_summary
 from easeoff.study.summary.table import with_signs
 from easeoff.study.vh import write_vh_check

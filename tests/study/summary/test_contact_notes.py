@@ -23,13 +23,14 @@ from easeoff.study.summary.plausibility import (
     JUMP_LIMIT,
     MESH_POSITION_MINIMUM,
     axial_face,
+    doubts,
     edge_notes,
     end_notes,
     jump_notes,
     pressure_jumps,
     supports_notes,
 )
-from easeoff.study.summary.result_summary import doubts, efficiencies, result_summary
+from easeoff.study.summary.result_summary import efficiencies, result_summary
 from easeoff.study.vh import round_values
 
 

@@ -19,7 +19,7 @@ from ...geometry.pair.gear_pair import MEMBERS, FlankName
 from ..case_correction import CaseCorrection
 from ..design.design_check import DesignReport, SideReport
 from ..design.optimization.trust_region import RADIUS_MINIMUM
-from .assembly_report import ERRORS, deflection_notes
+from .assembly import ERRORS, deflection_notes
 from .quantities import OPTIMIZED
 from .table import Table
 
