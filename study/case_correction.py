@@ -48,7 +48,8 @@ def measured_flanks(
     for name, given in sources.items():
         listed: list[Any] = list(given) if isinstance(given, list | tuple) else [given]
         member = named_member(pair, name)
-        views = {side(seen.loaded): seen for seen in (member, *_other_views(member))}
+        both = (member,) if member.opposite is None else (member, member.from_opposite)
+        views = {side(seen.loaded): seen for seen in both}
         wanted = None if flank is None else side_of(name, flank)
         flanks: dict[Side, MeasuredFlank] = {}
         there: list[str] = []
@@ -72,10 +73,6 @@ def measured_flanks(
 def side_of(member: MemberName, flank: FlankName) -> Side:
     """Side of a member that is in contact on a flank of the pair: drive has the concave pinion and the convex gear."""
     return "concave" if (member == "pinion") == (flank == "drive") else "convex"
-
-
-def _other_views(member: Member) -> tuple[Member, ...]:
-    return () if member.opposite is None else (member.from_opposite,)
 
 
 def _with_sides(source: Source, name: MemberName, member: Member) -> tuple[Source, list[str]]:

@@ -92,11 +92,6 @@ def equivalent_torque(torques: Array, cycles: Array, exponent: float) -> float:
     return greatest * math.pow(mean, 1.0 / exponent)
 
 
-def checked_exponents(exponents: Sequence[float]) -> tuple[float, ...]:
-    """Damage exponents: at least one, all different, from 1 to ``EXPONENT_LIMIT``, or else InputError."""
-    return tuple(distinct("damage_exponents", exponents, least=1.0, most=EXPONENT_LIMIT).tolist())
-
-
 def duty_means(numbers: xr.Dataset, exponents: Sequence[float] = DAMAGE_EXPONENTS) -> xr.Dataset:
     """Means of power loss and efficiency over load cases, equivalent torque of each flank, and shares of damage.
 
@@ -222,7 +217,7 @@ def analyze_load_cases(
     conditions = FrictionConditions(None, temperature, roughness, oil, friction_model, friction_feedback)
     operating = Operating(flanks, None, edge_contact, marking, chosen, conditions)
     rows, given = _named(case, load_cases), flanks.errors(case)
-    exponents = checked_exponents(damage_exponents)
+    exponents = distinct("damage_exponents", damage_exponents, least=1.0, most=EXPONENT_LIMIT).tolist()
     AnalysisSize.of(case, 1).require_memory()
     runs: dict[str, _Run] = {}
     for name, row in rows.items():

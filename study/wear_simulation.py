@@ -160,8 +160,6 @@ def duty_cycle(torque: float | Mapping[float, float]) -> dict[float, float]:
     return {t: share / total for t, share in shares.items()}
 
 
-__all__ = ["WearLaw", "wear"]
-
 WEAR_NODES = (49, 33)  # of either flank
 CONTACT_LOST, NOT_SOLVED = "contact lost", "contact not solved"  # how the reason of a stop before its time begins
 

@@ -10,7 +10,7 @@ import os
 import sys
 import warnings
 from contextlib import suppress
-from typing import Any, NoReturn, TextIO
+from typing import Any, NoReturn
 
 import click
 
@@ -32,14 +32,7 @@ class _Mistake(click.ClickException):
     exit_code = EXIT_MISTAKE
 
 
-def _show_warning(
-    message: Warning | str,
-    category: type[Warning],
-    filename: str,
-    lineno: int,
-    file: TextIO | None = None,
-    line: str | None = None,
-) -> None:
+def _show_warning(message: Warning | str, category: type[Warning], *_place: Any, **_options: Any) -> None:
     """Show a warning to users once, as a note of one line without the place in the code that it comes from."""
     kind = "" if category is UserWarning else f"{category.__name__}: "
     note = f"Note: {kind}{' '.join(str(message).split())}"
@@ -48,12 +41,6 @@ def _show_warning(
     if note not in notes:
         notes.add(note)
         echo(note, err=True)
-
-
-def _harmless(error: click.ClickException) -> click.ClickException:
-    """The error with the words of the command line in its message harmless to a terminal, and shortened."""
-    said = errors.message(as_given(error.format_message()))
-    return click.UsageError(said, error.ctx) if isinstance(error, click.UsageError) else _Mistake(said)
 
 
 class _Group(click.Group):
@@ -82,7 +69,11 @@ class _Group(click.Group):
         except EaseoffError as error:
             raise _Mistake(as_given(str(error))) from error
         except click.ClickException as error:
-            raise _harmless(error) from error
+            # The words of the command line in the message are made harmless to a terminal, and shortened.
+            said = errors.message(as_given(error.format_message()))
+            raise (
+                click.UsageError(said, error.ctx) if isinstance(error, click.UsageError) else _Mistake(said)
+            ) from error
         except MemoryError as error:
             said = f" ({str(error)[:150]})" if str(error) else ""
             raise _Mistake(

@@ -251,18 +251,13 @@ def _executed(case: str, corrections: Any) -> str:
         f"{name} {' and '.join(flank.side for correction in member_corrections for flank in correction.flanks)}"
         for name, member_corrections in corrections.items()
     )
+    set_ups = [(name, correction) for name, own in corrections.items() for correction in own]
     unchanged = [
-        f"\nNothing to correct, {name}: {' and '.join(flank.side for flank in correction.flanks)}; as designed."
-        for name, member_corrections in corrections.items()
-        for correction in member_corrections
-        if correction.nothing
+        f"\nNothing to correct, {name}: {' and '.join(flank.side for flank in one.flanks)}; as designed."
+        for name, one in set_ups
+        if one.nothing
     ]
-    warned = [
-        f"\nWarning, {name}: {warning}"
-        for name, member_corrections in corrections.items()
-        for correction in member_corrections
-        for warning in root_warnings(correction)
-    ]
+    warned = [f"\nWarning, {name}: {warning}" for name, one in set_ups for warning in root_warnings(one)]
     return (
         f"Settings to execute, by easeoff correct from {Path(case).name} for measured flanks: {flanks}.\n"
         "On the machine that cut the measured flanks they come near the flanks designed; on one without errors they "

@@ -31,7 +31,7 @@ def show(result: Path) -> None:
     from ..result import checked_given, kind_of, read_result
     from ..summary.load_case_summary import holds_problems, load_case_summary, problem_summary
     from ..summary.result_summary import result_summary
-    from ..summary.sweep_report import vh_table, wear_summary
+    from ..summary.sweep_report import sweep_summary, vh_table, wear_summary
     from ..sweep.sweep_file import checked_sweep, is_sweep
 
     tree = tree_or_none(result)
@@ -42,8 +42,6 @@ def show(result: Path) -> None:
     if tree is None:
         tree = read_result(result)  # says what is wrong with the file
     if is_sweep(dataset := tree.to_dataset()):
-        from ..summary.sweep_report import sweep_summary
-
         echo(sweep_summary(checked_sweep(dataset, result)))
         return
     given: Any = checked_given(tree, result)
@@ -152,14 +150,10 @@ def cite(result: Path | None, bibtex: bool) -> None:
     tells them.
     """
     quick_start()
+    from ...core.netcdf_file import read_tree
     from ..summary.citation import citation
 
-    if result is None:
-        echo(citation(bibtex=bibtex))
-        return
-    from ...core.netcdf_file import read_tree
-
-    echo(citation(read_tree(result), bibtex=bibtex))
+    echo(citation(None if result is None else read_tree(result), bibtex=bibtex))
 
 
 def draw(result: xr.DataTree | xr.Dataset, folder: Path, **options: Any) -> None:

@@ -132,12 +132,6 @@ def wear(case: str, coefficient: tuple[float, float], output: Path, supports: st
 GRID_OF_PICTURES = (5, 5)
 
 
-@reader
-def _counts(text: str) -> tuple[int, int]:
-    """Numbers of values of V and H."""
-    return two_counts(text, "NUMBERxNUMBER of values of V and H, such as 5x5")
-
-
 @click.command(cls=Command)
 @option.unloaded
 @option.output("netCDF file to write.")
@@ -160,7 +154,7 @@ def _counts(text: str) -> tuple[int, int]:
 )
 @click.option(
     "--grid",
-    callback=_counts,
+    callback=reader(lambda text: two_counts(text, "NUMBERxNUMBER of values of V and H, such as 5x5")),
     metavar="NVxNH",
     show_default="5x5 with --plots, else none",
     help="Numbers of values of V and H at which patterns are computed besides.",

@@ -94,19 +94,8 @@ def finish(axes: Axes, title: str, right: str, label: str) -> None:
     axes.tick_params(which="minor", length=1.5, width=0.5, colors=GREY)
     axes.set_title(right, loc="right", fontsize=SMALL_SIZE + 0.5, color=GREY, pad=3)
     if axes.get_legend_handles_labels()[0]:
-        axes.legend(
-            loc="center left",
-            bbox_to_anchor=(1.01, 0.5),
-            fontsize=SMALL_SIZE,
-            frameon=False,
-            labelcolor=INK,
-            handlelength=2.6,
-        )
-
-
-def settings_title(settings: str) -> str:
-    """Title of a panel of one settings."""
-    return f"{settings}: {SETTINGS[settings]}"
+        style: dict[str, Any] = {"fontsize": SMALL_SIZE, "frameon": False, "labelcolor": INK, "handlelength": 2.6}
+        axes.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), **style)
 
 
 def plain_ticks(axis: Axis, values: Array | None = None) -> None:
@@ -187,7 +176,7 @@ def _profile_figure(
         axes.set_ylim(-0.02, 1.03)
         axes.yaxis.set_major_formatter(PercentFormatter(1.0))
         plain_ticks(axes.xaxis)
-        finish(axes, settings_title(settings), f"{len(compared)} problems", "share solved")
+        finish(axes, f"{settings}: {SETTINGS[settings]}", f"{len(compared)} problems", "share solved")
         label_axes(axes, label)
     return figure
 

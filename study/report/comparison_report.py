@@ -470,10 +470,10 @@ def report_sections(dataset: xr.Dataset) -> list[Section]:
     """Sections of the report, without those that have nothing to tell."""
     problems = by_problem(dataset)
     named = methods(problems, float(dataset.attrs["time_limit_s"]))
-    failures = failure_table(dataset, named)
+    failures, waited = failure_table(dataset, named), waiting_note(dataset)
     sections = [
         Section("Answers", [*success_tables(problems, named), success_note(dataset), kind_table(problems, named)]),
-        Section("Run time", [_paragraph(waiting_note(dataset)), run_time_summary(dataset, problems, named)]),
+        Section("Run time", [waited and f"**{waited}**\n", run_time_summary(dataset, problems, named)]),
         Section("Parts of the run time", [time_parts(problems, named, time_sources(dataset, named))]),
         Section("Cold and warm starts", [start_table(problems, named)]),
         Section("Pairs of solvers", [pair_table(problems, named)]),
@@ -513,14 +513,13 @@ def write_report(dataset: xr.Dataset, folder: Path, pictures: Sequence[Picture] 
 
 def _subject(dataset: xr.Dataset, problems: Any) -> str:
     unique = problems.drop_duplicates(["problem_file", "problem"])
-    sizes = unique["size"]
     lines = [
         f"- {len(group)} contact problems of `{file}`, {_range(group['size'])} segments"
         for file, group in unique.groupby("problem_file", sort=False)
     ]
-    lines.append(
-        f"- In all {len(unique)} problems, {_range(sizes)} segments, {_count(dataset.sizes['attempt'], 'attempt')}"
-    )
+    attempts = dataset.sizes["attempt"]
+    said = f"{attempts} attempt" if attempts == 1 else f"{attempts} attempts"
+    lines.append(f"- In all {len(unique)} problems, {_range(unique['size'])} segments, {said}")
     return "\n".join(lines) + "\n"
 
 
@@ -534,10 +533,6 @@ def _made_with(dataset: xr.Dataset) -> str:
         "another factor between 1 and 1.5 (`load_factor`), so that an answer kept from an earlier call is wrong. "
         "`native` is measured with its own answer alone, and is the reference of the error of rotation.\n"
     )
-
-
-def _paragraph(text: str | None) -> str | None:
-    return None if text is None else f"**{text}**\n"
 
 
 def _table_of(dataset: xr.Dataset, name: str) -> dict[str, Any]:
@@ -554,7 +549,3 @@ def _table_of(dataset: xr.Dataset, name: str) -> dict[str, Any]:
 def _range(sizes: Any) -> str:
     low, high = int(sizes.min()), int(sizes.max())
     return f"{low}" if low == high else f"{low} to {high}"
-
-
-def _count(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"

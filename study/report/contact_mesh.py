@@ -32,7 +32,7 @@ from ...geometry.pair.assembly import Misalignment
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import tooth_patches
-from ..plot.panel_grid import require_result
+from ..plot.panel_grid import chosen_torques, require_result
 from ..plot.tooth_view import ToothView, fine_grid, tooth_view
 from ..summary.assembly import ERRORS
 from .page_data import gear_raster, packed, packed_exactly, rasterised
@@ -431,7 +431,6 @@ class TeethInMesh:
     def of(cls, tree: xr.DataTree, torque: float | None, nodes: tuple[int, int]) -> TeethInMesh:
         """Teeth at a torque [N m], the greatest if it is ``None``."""
         from ..plot.friction_charts import middle_condition
-        from ..plot.panel_grid import chosen_torques
 
         loaded = tree["loaded"].to_dataset()
         torques = loaded["torque"].values

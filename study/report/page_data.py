@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import math
+from collections.abc import Sequence
 from typing import Any, get_args
 
 import numpy as np
@@ -220,7 +221,7 @@ COMMON_MARGIN = 0.03  # beyond the common flank, as a fraction, to which rasters
 UNIT_SPEED = 2.0 * math.pi / 60.0  # [rad/s] of one revolution a minute
 
 
-def outlines(views: tuple[ToothView, ...]) -> dict[str, Any]:
+def outlines(views: Sequence[ToothView]) -> dict[str, Any]:
     """Plane, corners and boundary of the common flank [mm] of each flank."""
     return {
         view.member: {
@@ -295,20 +296,17 @@ def friction_fields(
     for torque in chosen:
         at_torque = loaded.isel(torque=int(torque))
         carries, points = on_lines(at_torque)
-        rows: dict[str, list[Any]] = {name: [] for name in names}
+        for rows in fields.values():
+            rows.append([])
         for speed in speeds:
             subset = friction.isel(torque=int(torque), speed=int(speed))
             tables = [subset[name].transpose("mesh_position", "segment").values[carries] for name in names]
             known = np.all(np.isfinite(tables), axis=0) if tables else np.zeros(0, dtype=bool)
+            rasters: list[Any] = [None] * len(names)
             if np.any(known):
-                rasters = scattered_rasters(points[:, known], np.stack(tables)[:, known], view)
-                for name, raster in zip(names, rasters, strict=True):
-                    rows[name].append(packed(raster))
-            else:
-                for name in names:
-                    rows[name].append(None)
-        for name in names:
-            fields[name].append(rows[name])
+                rasters = [*map(packed, scattered_rasters(points[:, known], np.stack(tables)[:, known], view))]
+            for rows, raster in zip(fields.values(), rasters, strict=True):
+                rows[-1].append(raster)
     return fields
 
 
@@ -423,7 +421,6 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
     depth = ordered(worn.isel(step=-1), "wear_depth", "member", *GRID)
     members = [str(member) for member in worn["member"].values]
     both: tuple[MemberName, ...] = get_args(MemberName)
-    planes = {member: ProjectionPlane.of(worn, member) for member in both}
     largest, ripple, pressure = (
         ordered(worn, variable, "step", over)
         for variable, over in (("largest_depth", "member"), ("peak_to_peak", "torque"), ("max_pressure", "torque"))
@@ -444,14 +441,7 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
         "name": name,
         "title": str(worn.attrs.get("title", "")),
         "stop": str(worn.attrs.get("stop", "")),
-        "flanks": {
-            member: {
-                "plane": planes[member].coefficients.tolist(),
-                "window": list(ToothView(planes[member], None, ()).window),  # type: ignore[arg-type]
-                "common": [],
-            }
-            for member in both
-        },
+        "flanks": outlines([ToothView(ProjectionPlane.of(worn, one), None, (), one) for one in both]),  # type: ignore[arg-type]
         "depth": {member: packed(_fine(depth[members.index(member)])) for member in both},
         "table": {
             "heads": heads,

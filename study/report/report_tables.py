@@ -30,6 +30,7 @@ from ..summary import quantities
 from ..summary.load_case_summary import duty_lines, load_case_notes, load_case_tables
 from ..summary.quantities import Quantity, harmonic, roughness_words
 from ..summary.result_summary import condition_words, end_name
+from ..summary.summary_sheet import described_flanks
 from ..summary.table import with_signs
 
 SIDES = ("concave", "convex")
@@ -290,12 +291,7 @@ def load_case_rows(tree: xr.DataTree) -> dict[str, Any]:
 def case_tables(case: Case) -> list[dict[str, Any]]:
     """Tables of the case: pair, blanks, machine settings, cutters; a column a member or flank."""
     case = with_blanks(case)
-    flanks = [
-        (f"{name} {side}", getattr(member, side))
-        for name, member in (("pinion", case.pinion), ("gear", case.gear))
-        for side in ("concave", "convex")
-        if getattr(member, side) is not None
-    ]
+    flanks = described_flanks(case).items()
     blanks = [(name, member.blank) for name, member in (("pinion", case.pinion), ("gear", case.gear)) if member.blank]
     pair = [["pinion teeth", "", "pinion.number_of_teeth", f"{case.pinion.number_of_teeth}"]]
     pair.append(["gear teeth", "", "gear.number_of_teeth", f"{case.gear.number_of_teeth}"])
@@ -329,7 +325,6 @@ def _compared(owners: list[tuple[str, Any]]) -> list[tuple[str, str, str, list[s
         if all(value is None or (not value and key not in model.model_fields_set) for value in values):
             continue
         display_unit = "" if unit == "1" else unit.replace("deg", "°")
-        rows.append(
-            (usual_name(key), display_unit, key, ["–" if value is None else f"{value:.7g}" for value in values])
-        )
+        texts = ["–" if value is None else f"{value:.7g}" for value in values]
+        rows.append((usual_name(key), display_unit, key, texts))
     return rows

@@ -165,18 +165,16 @@ def _blanks(case: Case) -> Iterator[tuple[str, ...]]:
             yield key.replace("_", " "), unit, *(f"{table[key]:.4f}" for table in tables)
 
 
-def _flanks(case: Case) -> dict[str, FlankSettings]:
-    flanks = {}
-    for name, member in (("pinion", case.pinion), ("gear", case.gear)):
-        for side in FLANKS:
-            if (settings := getattr(member, side)) is not None:
-                flanks[f"{name} {side}"] = settings
-    return flanks
+def described_flanks(case: Case) -> dict[str, FlankSettings]:
+    """Settings of the flanks that a case describes, by member and side."""
+    members = (("pinion", case.pinion), ("gear", case.gear))
+    flanks = {f"{name} {side}": getattr(member, side) for name, member in members for side in FLANKS}
+    return {name: settings for name, settings in flanks.items() if settings is not None}
 
 
 def _settings(case: Case, steps: MachineResolution, table: str) -> Iterator[tuple[str, ...]]:
     """Rows of the settings that a flank has, with their names, units and resolutions."""
-    flanks = _flanks(case)
+    flanks = described_flanks(case)
     yield "setting", "REXS, case file", "unit", "step", *flanks
     if table == "cutter":
         yield "blade", "", "", "", *("outside" if name.endswith("concave") else "inside" for name in flanks)
@@ -201,13 +199,8 @@ def _motions(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> I
     for key in motions[0]:
         for order in range(max(len(each[key]) for each in motions)):
             values = [each[key][order] if order < len(each[key]) else 0.0 for each in motions]
-            unit = f"{'deg' if key.endswith(ANGULAR) else 'mm'}/rad^{order + 1}"
-            yield (
-                f"{motion_name(key)}, order {order + 1}",
-                f"motions.{key}",
-                unit,
-                *_row(values, step_of_key(steps, "motions", key)),
-            )
+            name, unit = f"{motion_name(key)}, order {order + 1}", "deg" if key.endswith(ANGULAR) else "mm"
+            yield name, f"motions.{key}", f"{unit}/rad^{order + 1}", *_row(values, step_of_key(steps, "motions", key))
 
 
 def _formate_position(flanks: Mapping[str, FlankSettings], steps: MachineResolution) -> Iterator[tuple[str, ...]]:

@@ -22,17 +22,9 @@ from .table import Table, filled, underlined
 
 #: Numbers that are shown, where a sweep has them.
 MAIN_NUMBERS = (
-    "peak_to_peak",
-    "max_pressure",
-    "contact_ratio",
-    "max_edge_share",
-    "pattern_centre_lengthwise",
-    "pattern_centre_profile",
-    "pattern_length",
-    "max_root_stress",
-    "efficiency",
-    "min_film_thickness",
-    "max_flash_temperature",
+    *("peak_to_peak", "max_pressure", "contact_ratio", "max_edge_share"),
+    *("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length"),
+    *("max_root_stress", "efficiency", "min_film_thickness", "max_flash_temperature"),
 )
 SENSITIVE_NUMBERS = ("peak_to_peak", "max_pressure", "pattern_centre_lengthwise")
 SHOWN_PERCENT = (0.0, 5.0, 50.0, 95.0, 100.0)

@@ -324,15 +324,10 @@ class SweepNumbers:
             dims = (*outer, *variable["dimensions"])
             data[name] = self._variable(name, dims, values.reshape((*shape, *values.shape[1:])), variable["flags"])
         status = self.status.reshape((*shape, *self.status.shape[1:]))
-        data["status"] = xr.Variable(
-            (*outer, *loads),
-            status,
-            {**PointStatus.flag_attributes(), "long_name": "how the analysis of a point ended"},
-        )
-        reason = self.reason.astype(str).reshape(status.shape)
-        data["reason"] = xr.Variable(
-            (*outer, *loads), reason, {"long_name": "why a point is not certified; empty where it is"}
-        )
+        meanings = PointStatus.flag_attributes() | {"long_name": "how the analysis of a point ended"}
+        data["status"] = xr.Variable((*outer, *loads), status, meanings)
+        reason, words = self.reason.astype(str).reshape(status.shape), "why a point is not certified; empty where it is"
+        data["reason"] = xr.Variable((*outer, *loads), reason, {"long_name": words})
         return xr.Dataset(data, coords=self._coords(outer))
 
     def _coords(self, outer: tuple[str, ...]) -> dict[str, Any]:
