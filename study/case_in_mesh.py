@@ -94,6 +94,16 @@ def prepared_pair(case: Case, flank: FlankName, misalignment: MisalignmentSource
     return gear_pair(case.model_copy(update={"misalignment": MisalignmentTable()}), flank).misaligned(errors)
 
 
+def misalignment_attributes(misalignment: Misalignment) -> dict[str, float]:
+    """Attributes of a file: the assembly errors E, P, G and Sigma, in this order."""
+    return {
+        "misalignment_offset_mm": misalignment.offset,
+        "misalignment_pinion_axial_mm": misalignment.pinion_axial,
+        "misalignment_gear_axial_mm": misalignment.gear_axial,
+        "misalignment_shaft_angle_rad": misalignment.shaft_angle,
+    }
+
+
 def deflection_attributes(
     misalignment: Misalignment | Deflections, flank: FlankName, torques: Sequence[float] | NDArray[Any]
 ) -> dict[str, Any]:
@@ -257,16 +267,12 @@ class CaseInMesh:
     def attributes(self) -> dict[str, Any]:
         """Attributes of a file: flank, teeth, assembly errors, modification and deviations."""
         assembly, added = self.pair.assembly, self.modification
-        errors = assembly.misalignment
         return {
             "flank": self.flank,
             "pinion_teeth": assembly.pinion_teeth,
             "gear_teeth": assembly.gear_teeth,
             "pinion_hand": assembly.pinion_hand,
-            "misalignment_offset_mm": errors.offset,
-            "misalignment_pinion_axial_mm": errors.pinion_axial,
-            "misalignment_gear_axial_mm": errors.gear_axial,
-            "misalignment_shaft_angle_rad": errors.shaft_angle,
+            **misalignment_attributes(assembly.misalignment),
             **({} if added is None else {"modification_um": json.dumps(dict(added.coefficients))}),
             **deviation_attributes(self.deviations, self.deviated),
         }

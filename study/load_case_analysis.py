@@ -340,11 +340,8 @@ def _numbers(runs: Mapping[str, _Run]) -> xr.Dataset:
         data["share"] = ("load_case", shares / shares.sum())
     data["flank"] = ("load_case", [run.flank for run in runs.values()])
     status = [LoadCaseStatus.FAILED if run.tree is None else _status(run.tree) for run in runs.values()]
-    data["status"] = (
-        "load_case",
-        np.array(status, dtype=np.int8),
-        LoadCaseStatus.flag_attributes() | {"long_name": "how the analysis of the load case ended"},
-    )
+    meanings = LoadCaseStatus.flag_attributes() | {"long_name": "how the analysis of the load case ended"}
+    data["status"] = ("load_case", np.array(status, dtype=np.int8), meanings)
     data["reason"] = ("load_case", [run.reason for run in runs.values()])
     return labelled(xr.Dataset(data, coords={"load_case": list(runs)}))
 

@@ -40,7 +40,8 @@ def shows_progress(name: str, unit: str) -> Callable[[Callable[P, R]], Callable[
                     words = "must be True, False, or a function that is called after every step"
                     raise InputError(f"progress = {shown(progress)}: {words}")
                 return function(*args, **kwargs)
-            with _bar(desc=name, unit=unit) as bar:
+            make = _notebook_bar if "ipykernel" in sys.modules else terminal_bar
+            with make(desc=name, unit=unit) as bar:
                 given["progress"] = partial(count, bar)
                 if staged and given.get("stage") is None:
                     given["stage"] = bar.set_description_str
@@ -56,15 +57,9 @@ def told(progress: Call | bool | None) -> Call | None:
     return None if isinstance(progress, bool) else progress
 
 
-def _bar(**options: Any) -> Any:
-    """A bar of tqdm in a notebook, which is gone at the end, and what the commands show elsewhere."""
-    if "ipykernel" in sys.modules:
-        return _notebook_bar(**options)
-    return terminal_bar(**options)
-
-
 @contextmanager
 def _notebook_bar(**options: Any) -> Iterator[Any]:
+    """A bar of tqdm that is gone at the end."""
     from tqdm.auto import tqdm
 
     tqdm.monitor_interval = 0  # no thread, see terminal_bar

@@ -37,6 +37,7 @@ from ..geometry.tooth.tooth_flanks import MemberName
 from .case_in_mesh import CaseInMesh, FlanksInMesh, case_attributes, checked_case
 from .deviations import Deviated, Source
 from .progress import shows_progress, told
+from .result import PATTERN
 
 #: Centre of the pattern (2) [mm], along the face and the profile, at displacements V and H (2) [mm]; NaN for none.
 Centre = Callable[[Array], Array]
@@ -210,17 +211,14 @@ def found_dataset(found: Mapping[str, Found], places: Array, patterns: ShiftedPa
     shifts[[one.status != PatternStatus.REACHED for one in found.values()]] = np.nan
     numbers, prints = _numbers([patterns.at(shift) if np.all(np.isfinite(shift)) else None for shift in shifts])
     total = shifts[-1] - shifts[0]
+    meanings = PatternStatus.flag_attributes() | {"long_name": "how the search for the place ended"}
     data: dict[str, Any] = {
         "v": ("place", shifts[:, 0]),
         "h": ("place", shifts[:, 1]),
         "place_lengthwise": ("place", places[:, 0]),
         "place_profile": ("place", places[:, 1]),
         **{name: ("place", values) for name, values in numbers.items()},
-        "status": (
-            "place",
-            np.array([one.status for one in found.values()], dtype=np.int8),
-            PatternStatus.flag_attributes() | {"long_name": "how the search for the place ended"},
-        ),
+        "status": ("place", np.array([one.status for one in found.values()], dtype=np.int8), meanings),
         "total_v": total[0],
         "total_h": total[1],
         "h_over_v": total[1] / total[0] if total[0] else np.nan,
@@ -229,15 +227,9 @@ def found_dataset(found: Mapping[str, Found], places: Array, patterns: ShiftedPa
     axes = [np.linspace(0.0, 1.0, n) for n in STORED_GRID]
     in_plane = patterns.plane(np.stack(np.meshgrid(*axes, indexing="ij")))
     reasons = {f"reason_{name}": _reason(one, patterns.size) for name, one in found.items() if REASONS[one.status]}
-    return xr.Dataset(
-        {**data, "in_plane": (("plane_axis", "lengthwise", "profile"), in_plane)},
-        coords={
-            "place": list(PLACES),
-            "plane_axis": ["along", "across"],
-            **dict(zip(("lengthwise", "profile"), axes, strict=True)),
-        },
-        attrs=reasons,
-    )
+    data["in_plane"] = (("plane_axis", "lengthwise", "profile"), in_plane)
+    coords = {"place": list(PLACES), "plane_axis": ["along", "across"], "lengthwise": axes[0], "profile": axes[1]}
+    return xr.Dataset(data, coords, reasons)
 
 
 def _reason(found: Found, size: Array) -> str:
@@ -288,10 +280,7 @@ def _numbers(patterns: list[UnloadedPattern | None]) -> tuple[dict[str, Array], 
         rows.append(np.array([*region.centre, *region.size, *region.extent[0], pattern.peak_to_peak]))
         coarser = [(n - 1) // (stored - 1) for n, stored in zip(excess.shape, STORED_GRID, strict=True)]
         prints.append(excess[:: coarser[0], :: coarser[1]])
-    names = (
-        *("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length", "pattern_height"),
-        *("pattern_from", "pattern_to", "peak_to_peak"),
-    )
+    names = (*PATTERN, "pattern_from", "pattern_to", "peak_to_peak")
     return dict(zip(names, np.array(rows).T, strict=True)), np.array(prints)
 
 

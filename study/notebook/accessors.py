@@ -515,8 +515,7 @@ class SweepPlots(ShownPictures):
         """Draw a picture; arguments as of ``easeoff.plot.sweep``."""
         from ..plot.sweep_charts import sweep
 
-        figure: Figure | None = sweep(self._dataset, picture, **options)
-        return figure
+        return sweep(self._dataset, picture, **options)
 
     def __dir__(self) -> list[str]:
         from ..plot.sweep_charts import short_names

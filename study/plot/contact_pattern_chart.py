@@ -287,7 +287,6 @@ def contact_pattern(
         note += f" · light load: yellow to dark red, 0 to {float(light['max_pressure']):.0f} MPa"
     subplots = panels(tree, "Contact pattern", height, note, (len(names), len(views)), axes)
     grid = subplots.axes.reshape(len(names), len(views))
-    rows = dict(zip(names, grid, strict=True))
     pattern = unloaded_pattern(unloaded, views[0].fields)
     error = CarryingError.of(unloaded, 2.0 * math.pi / tree.attrs["pinion_teeth"])
     printed, region = None, None
@@ -295,24 +294,23 @@ def contact_pattern(
         printed = MarkingPrint.of(views[0].fields, error, thickness, DRAWN_GRID)
         region = MarkingPrint.of(views[0].fields, error, thickness).region(views[0].plane)
     surface = None if light is None else pressure_map(light)
-    for column, view in enumerate(views):
-        left = column == 0
-        if "lines" in rows:
-            panel, shown = rows["lines"][column], (names[-1] == "lines", left)
-            draw_pattern(panel, view, pattern, labels=shown)
-            panel_titles(panel, FLANK_NAMES[view.member], "contact lines, path of contact")
-        if "print" in rows:
-            panel, shown = rows["print"][column], (names[-1] == "print", left)
+    for name, row in zip(names, grid, strict=True):
+        for column, (panel, view) in enumerate(zip(row, views, strict=True)):
+            left, shown = column == 0, (name == names[-1], column == 0)
+            if name == "lines":
+                draw_pattern(panel, view, pattern, labels=shown)
+                panel_titles(panel, FLANK_NAMES[view.member], "contact lines, path of contact")
+                continue
             draw_flank(panel, view, labels=shown)
-            if region is not None and printed is not None:
-                draw_print(panel, view, printed, region)
-            said = "no unloaded contact" if region is None else size_name(region)
-            panel_titles(panel, f"marking print, {thickness:g} µm", said if left else "")
-        if light is not None and surface is not None and "light_load" in rows:
-            panel, shown = rows["light_load"][column], (names[-1] == "light_load", left)
-            draw_flank(panel, view, labels=shown)
-            draw_surface(panel, view, surface, pressure_levels(surface.peak if surface.pressure.size else 1.0))
-            panel_titles(panel, f"light load, {torque_name(float(light['torque']))}", _light(light) if left else "")
+            if name == "print":
+                if region is not None and printed is not None:
+                    draw_print(panel, view, printed, region)
+                said = "no unloaded contact" if region is None else size_name(region)
+                panel_titles(panel, f"marking print, {thickness:g} µm", said if left else "")
+            elif light is not None and surface is not None:
+                draw_surface(panel, view, surface, pressure_levels(surface.peak if surface.pressure.size else 1.0))
+                at = f"light load, {torque_name(float(light['torque']))}"
+                panel_titles(panel, at, _light(light) if left else "")
     side_by_side(grid)
     if subplots.on_page:
         legend_at_foot(subplots.figure, _entries(), LEGEND_HEIGHT)

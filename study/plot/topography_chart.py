@@ -113,10 +113,8 @@ def _draw_flank(axes: Axes, flank: CorrectedFlank, part: str, largest: float) ->
     scale = BAR_SHARE / largest
     thin = 1.0 if value.size <= LABELLED_NODES_LIMIT else 0.6
     for lines, colour, width in (((x, y), FAINT, 0.6 * thin), ((x, y + scale * value), INK, 0.9 * thin)):
-        for of_column in zip(*lines, strict=True):
-            axes.plot(*of_column, color=colour, linewidth=width, zorder=1)
-        for of_row in zip(lines[0].T, lines[1].T, strict=True):
-            axes.plot(*of_row, color=colour, linewidth=width, zorder=1)
+        axes.plot(lines[0].T, lines[1].T, color=colour, linewidth=width, zorder=1)  # from root to top
+        axes.plot(*lines, color=colour, linewidth=width, zorder=1)
     for one_x, one_y, one in zip(x.ravel(), y.ravel(), value.ravel(), strict=True):
         colour = VERMILION if one > 0.0 else BLUE
         axes.plot([one_x] * 2, [one_y, one_y + scale * one], color=colour, linewidth=1.6 * thin)

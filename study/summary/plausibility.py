@@ -206,24 +206,13 @@ def jump_notes(loaded: xr.Dataset) -> list[str]:
     ]
 
 
-#: Input that a flag of ``/friction/formula_flags`` is about.
-INPUTS = {
-    1: "slide-to-roll ratio",
-    2: "pressure",
-    4: "roughness",
-    8: "pressure",
-    16: "radius",
-    32: "rolling velocity",
-    64: "roughness",
-    128: "temperature",
-    256: "lambda ratio",
-    512: "coefficient",
-    1024: "radius",
-    2048: "rolling velocity",
-    4096: "viscosity",
-    8192: "pressure-viscosity coefficient",
-    16384: "lambda ratio",
-}
+#: Inputs that the flags of ``/friction/formula_flags`` are about, 1, 2, 4 and so on.
+FLAGGED_INPUTS = (
+    *("slide-to-roll ratio", "pressure", "roughness", "pressure", "radius", "rolling velocity", "roughness"),
+    *("temperature", "lambda ratio", "coefficient", "radius", "rolling velocity", "viscosity"),
+    *("pressure-viscosity coefficient", "lambda ratio"),
+)
+INPUTS = {2**bit: name for bit, name in enumerate(FLAGGED_INPUTS)}
 #: Least part of the power loss that is told: a pitch line, where nothing slides, has one or two per cent.
 TOLD_SHARE = 0.05
 TOLD_TRANSITION = 0.1  # the same where two expressions of a formula meet

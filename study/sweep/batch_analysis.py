@@ -240,14 +240,12 @@ def _stacked(found: Mapping[int, xr.Dataset], count: int) -> tuple[dict[str, Arr
                 continue
             if name not in numbers:
                 numbers[str(name)] = np.full((count, *variable.shape), np.nan)
-                flags = {key: _plain(value) for key, value in variable.attrs.items() if key.startswith("flag_")}
+                flags = {
+                    key: np.asarray(value).tolist() for key, value in variable.attrs.items() if key.startswith("flag_")
+                }
                 layout["variables"][str(name)] = {"dimensions": list(map(str, variable.dims)), "flags": flags}
             numbers[str(name)][place] = variable.values
     return numbers, json.dumps(layout) if found else ""
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if isinstance(value, np.ndarray) else value
 
 
 #: File that says which sweep a store is of, and the map of its batches.

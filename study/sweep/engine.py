@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from ...core.errors import EaseoffError, InputError, MissingPackageError, how_to_install, time_in_words
+from ...core.errors import InputError, MissingPackageError, how_to_install, time_in_words
 from ...core.process_settings import (
     THREAD_VARIABLES,
     child_environment,
@@ -149,14 +149,9 @@ def on_cluster(batches: Iterator[Batch], client: Any) -> Generator[tuple[int, Bl
     distributed, address = distributed_package(), client.scheduler.address
     running: dict[Any, Batch] = {}
     results = distributed.as_completed(loop=client.loop, raise_errors=False)
-    exhausted = False
     while True:
         slots = max(BATCHES_PER_THREAD * (_threads(client) or 0), 1)
-        while len(running) < slots and not exhausted:
-            batch = next(batches, None)
-            if batch is None:
-                exhausted = True
-                break
+        while len(running) < slots and (batch := next(batches, None)) is not None:
             future = client.submit(
                 analyze_batch, batch, key=f"easeoff-sweep-{os.getpid()}-{id(results)}-{batch.number}"
             )
@@ -174,7 +169,11 @@ def on_cluster(batches: Iterator[Batch], client: Any) -> Generator[tuple[int, Bl
         elif isinstance(future.exception(), distributed.KilledWorker):
             yield batch.number, _lost(batch)
         else:
-            raise _cluster_fault(future.exception())
+            fault = future.exception()
+            raise InputError(
+                f"scheduler: a worker of the cluster could not run a batch ({type(fault).__name__}: {fault}); it needs "
+                "easeoff of this version"
+            )
 
 
 def _threads(client: Any) -> int | None:
@@ -217,14 +216,6 @@ def distributed_package() -> Any:
     except ImportError as error:
         message = f"dask.distributed is not installed: {how_to_install('easeoff[dask]')}; or run without a scheduler"
         raise MissingPackageError(message) from error
-
-
-def _cluster_fault(error: BaseException) -> EaseoffError:
-    """The error of a cluster that cannot run the analysis, as of workers without this package."""
-    return InputError(
-        f"scheduler: a worker of the cluster could not run a batch ({type(error).__name__}: {error}); it needs easeoff "
-        "of this version"
-    )
 
 
 def _lost(batch: Batch) -> Block:

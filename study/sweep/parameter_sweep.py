@@ -27,8 +27,8 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..analysis.operating import FrictionConditions, Operating
-from ..analysis.swept_quantity import Stage, swept_quantity
-from ..case_in_mesh import FlanksInMesh, case_attributes, deflection_attributes, prepared_pair
+from ..analysis.swept_quantity import ASSEMBLY, Stage, swept_quantity
+from ..case_in_mesh import FlanksInMesh, case_attributes, deflection_attributes, misalignment_attributes, prepared_pair
 from ..deviations import Deviated, Source, deviation_attributes, flank_deviations
 from ..progress import shows_progress, told
 from .batch_analysis import Batch, BatchStore, Block, analyze_batch, assembly_errors
@@ -259,14 +259,8 @@ def _misalignment(plan: SweepPlan) -> dict[str, Any]:
     given, flank = assembly_errors(plan.setup, {}), plan.setup.operating.flanks.flank
     if isinstance(given, Deflections) and given.flank and "flank" in plan.table.names:
         return {}
-    misalignment = misalignment_at(given, 0.0, flank)
-    errors = {
-        "E": ("misalignment_offset_mm", misalignment.offset),
-        "P": ("misalignment_pinion_axial_mm", misalignment.pinion_axial),
-        "G": ("misalignment_gear_axial_mm", misalignment.gear_axial),
-        "Sigma": ("misalignment_shaft_angle_rad", misalignment.shaft_angle),
-    }
-    constant = dict(pair for name, pair in errors.items() if name not in plan.table.names)
+    errors = misalignment_attributes(misalignment_at(given, 0.0, flank)).items()
+    constant = dict(one for name, one in zip(ASSEMBLY, errors, strict=True) if name not in plan.table.names)
     swept = [axis.columns["torque"].tolist() for axis in plan.axes if "torque" in axis.columns]
     return constant | deflection_attributes(given, flank, swept[0] if swept else plan.setup.torques or ())
 

@@ -415,12 +415,8 @@ class SweepPlan:
     @property
     def description(self) -> str:
         """The sweep in words: its case and the sizes of its axes."""
-        sizes = [
-            f"{axis.size} {axis.name}"
-            if axis.name in axis.columns
-            else f"{axis.size} {axis.name}s of {', '.join(axis.columns)}"
-            for axis in self.axes
-        ]
+        names = ["" if axis.name in axis.columns else f"s of {', '.join(axis.columns)}" for axis in self.axes]
+        sizes = [f"{axis.size} {axis.name}{of}" for axis, of in zip(self.axes, names, strict=True)]
         return f"{self.setup.case.title}: {' x '.join(sizes)}"
 
     @property
