@@ -28,14 +28,7 @@ from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.gear_pair import FlankName, GearPair
 from ..geometry.pair.modification import Modification, modified_ease_off
 from ..geometry.tooth.tooth_flanks import MemberName
-from .deviations import (
-    Deviated,
-    Source,
-    deviated_geometry,
-    deviation_attributes,
-    flank_deviations,
-    updated_geometry,
-)
+from .deviations import Deviated, Source, deviated_geometry, deviation_attributes, flank_deviations, updated_geometry
 
 
 def checked_case(case: Case | str | Path) -> Case:

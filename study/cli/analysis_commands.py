@@ -16,19 +16,8 @@ from ...core.errors import time_in_words
 from ...core.process_settings import THREAD_VARIABLES
 from ..terminal_bar import terminal_bar, working
 from . import option
-from .command import (
-    EXIT_UNCERTIFIED,
-    TOLD_TIME,
-    Command,
-    check_cost,
-    check_folders,
-    echo,
-    next_commands,
-    opened_case,
-    outside_allowed,
-    progress_bar,
-    quick_start,
-)
+from .case_run import TOLD_TIME, check_cost, check_folders, opened_case, outside_allowed, progress_bar
+from .command import EXIT_UNCERTIFIED, Command, echo, next_commands, quick_start
 from .option_values import given_model, reader, with_defaults
 from .result_commands import draw, end_with
 

@@ -18,7 +18,8 @@ import click
 from ...core.errors import EaseoffError, InputError
 from ..terminal_bar import working
 from . import option
-from .command import Command, check_output, echo, end_uncertified, next_commands, outside_allowed, quick_start
+from .case_run import check_output, outside_allowed
+from .command import Command, echo, end_uncertified, next_commands, quick_start
 from .word_completion import design_names, template_names
 
 if TYPE_CHECKING:

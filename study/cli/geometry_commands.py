@@ -10,7 +10,8 @@ from click.core import ParameterSource
 
 from ..terminal_bar import working
 from . import option
-from .command import Command, check_folders, check_output, echo, outside_allowed
+from .case_run import check_folders, check_output, outside_allowed
+from .command import Command, echo
 from .option_values import deviation_files, keyed_numbers, names, reader, two_counts
 
 #: Options of ``export`` that go with a result, and those that go with a case.

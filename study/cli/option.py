@@ -9,16 +9,9 @@ from typing import Any, TypeVar
 
 import click
 
-from .command import ALLOW_OUTSIDE, echo
-from .option_values import (
-    assembly_errors,
-    deviation_files,
-    machine_resolution,
-    numbers,
-    reader,
-    roughnesses,
-    torques,
-)
+from .case_run import ALLOW_OUTSIDE
+from .command import echo
+from .option_values import assembly_errors, deviation_files, machine_resolution, numbers, reader, roughnesses, torques
 from .word_completion import case_names, deviation_names, friction_models, oil_names, solver_names, support_names
 
 Command = TypeVar("Command", bound=Callable[..., Any])

@@ -12,7 +12,8 @@ import click
 from ...core.errors import printable
 from ..terminal_bar import working
 from . import option
-from .command import EXIT_UNCERTIFIED, Command, check_output, echo, next_commands, quick_start
+from .case_run import check_output
+from .command import EXIT_UNCERTIFIED, Command, echo, next_commands, quick_start
 from .option_values import names
 
 if TYPE_CHECKING:

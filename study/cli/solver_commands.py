@@ -12,7 +12,8 @@ import click
 
 from ..terminal_bar import count, terminal_bar
 from . import option
-from .command import Command, check_cost, echo, end_uncertified, next_commands, opened_case, progress_bar
+from .case_run import check_cost, opened_case, progress_bar
+from .command import Command, echo, end_uncertified, next_commands
 from .option_values import number_list, reader, with_defaults
 from .word_completion import solver_list
 

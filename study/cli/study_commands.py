@@ -12,18 +12,8 @@ import click
 
 from ..terminal_bar import count, terminal_bar, working
 from . import option
-from .command import (
-    EXIT_UNCERTIFIED,
-    Command,
-    check_folders,
-    check_output,
-    echo,
-    end_uncertified,
-    next_commands,
-    opened_case,
-    quick_start,
-    show_stage,
-)
+from .case_run import check_folders, check_output, opened_case, show_stage
+from .command import EXIT_UNCERTIFIED, Command, echo, end_uncertified, next_commands, quick_start
 from .option_values import by_member, number_list, reader, two_counts, with_defaults
 from .result_commands import draw
 

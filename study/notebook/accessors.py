@@ -25,14 +25,7 @@ from ..analysis.key_numbers import key_numbers
 from ..report.report_tables import loaded_numbers
 from ..result import CONDITIONS, VARIABLES, faults, load_case_faults
 from ..summary import sweep_report
-from ..summary.assembly import (
-    ERRORS,
-    SHARES,
-    bearing_loads,
-    deflection_tables,
-    mean_misalignment,
-    supports_tables,
-)
+from ..summary.assembly import ERRORS, SHARES, bearing_loads, deflection_tables, mean_misalignment, supports_tables
 from ..summary.load_case_summary import load_case_notes, load_case_summary, load_case_tables
 from ..summary.result_summary import contact_temperatures, efficiency_table, head_rows, result_notes, unloaded_rows
 from ..summary.table import html_table, html_text, left_out

@@ -200,7 +200,8 @@ def write_pictures(
                 if dpi is not None:
                     figure.set_dpi(dpi)
                 path = place / f"{file_prefix(one)}-{name}.{file_format}"
-                written.append(save_picture(figure, path, one))
+                marks = {"Source": f"{SOURCE}, {result_mark(one)}", "Title": printable(str(one.attrs.get("title", "")))}
+                written.append(save(figure, path, marks))
     for one, place in parts:
         _remove_earlier(one, place, written)
     return written
@@ -309,12 +310,6 @@ def result_mark(result: xr.DataTree | xr.Dataset) -> str:
     loads = result["loaded"]["torque"] if "loaded" in groups else result.coords.get("torque", xr.DataArray([]))
     text = json.dumps([attributes, groups, np.asarray(loads).tolist()], sort_keys=True, default=str)
     return hashlib.sha256(text.encode("utf-8", "backslashreplace")).hexdigest()[:MARK_LENGTH]
-
-
-def save_picture(figure: Figure, path: Path, result: xr.DataTree | xr.Dataset) -> Path:
-    """Write a picture of a result, marked with the result and the title of its case; returns and raises as ``save``."""
-    title = printable(str(result.attrs.get("title", "")))
-    return save(figure, path, {"Source": f"{SOURCE}, {result_mark(result)}", "Title": title})
 
 
 def pictures_of_results(folder: str | os.PathLike[str]) -> dict[Path, tuple[str, str]]:

@@ -27,17 +27,7 @@ from ...core.regular_file import parsed_json
 from ..compare import method_statistics as statistics
 from ..compare.attempt import COLD, HEADLINE, SETTINGS, STARTING_SOLVERS, WARM, polishes_itself
 from ..compare.comparison_table import RESIDUALS
-from ..compare.method_statistics import (
-    METHOD_COLUMNS,
-    TIMES,
-    MethodName,
-    by_problem,
-    has_sweep,
-    headline,
-    methods,
-    of_method,
-    time_of,
-)
+from ..compare.method_statistics import METHOD_COLUMNS, MethodName, by_problem, headline, methods, of_method, time_of
 
 #: What stands for a number that there is not.
 NOTHING = "-"
@@ -245,7 +235,7 @@ def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]
     rows = by_method(problems, named, cells)
     head = ["mean [ms]", "median [ms]", "90 % [ms]", "longest [ms]", "spread", "spread, 90 %"]
     note = (
-        f"Time: {TIMES[time_of(dataset)]}. *Mean*: shifted geometric mean over the problems, shift "
+        f"Time: {statistics.TIMES[time_of(dataset)]}. *Mean*: shifted geometric mean over the problems, shift "
         f"{1e3 * statistics.RUN_TIME_SHIFT:g} ms, each with the median of "
         "its repetitions; one that is not certified counts with the time limit, "
         f"{1e3 * limit:g} ms. The other columns are over certified problems. *Spread*: longest over shortest run time "
@@ -487,7 +477,7 @@ def report_sections(dataset: xr.Dataset) -> list[Section]:
 
 
 def _work_and_precision(dataset: xr.Dataset, named: list[MethodName]) -> list[ReportTable | str | None]:
-    return [*work_precision_tables(dataset, named), own_polish_note(named)] if has_sweep(dataset) else []
+    return [*work_precision_tables(dataset, named), own_polish_note(named)] if statistics.has_sweep(dataset) else []
 
 
 def comparison_report(dataset: xr.Dataset, pictures: Sequence[Picture] = ()) -> str:

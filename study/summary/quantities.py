@@ -93,6 +93,8 @@ ERROR_ALONG_NORMAL = Quantity("transmission error along the normal, peak to peak
 #: N m/urad is 1e9 N mm/rad; over an arm and a face width, in mm^2 and mm, that is N/mm^2, a thousandth of it N/(um mm).
 STIFFNESS_BY_WIDTH = Quantity("mesh stiffness along the normal by face width", "N/(µm mm)", ".2f", 1e6)
 EDGE_SHARE = Quantity("greatest share on tooth edges", "%", ".1f", 100.0)
+#: Numbers of the summary, by their names in ``key_numbers``.
+LOADED_ROWS = LOADED | {"max_edge_share": EDGE_SHARE, "max_pressure_pair": Quantity("tooth pair", "", ".0f")}
 ROOT_STRESS = Quantity("greatest root stress", "MPa", ".0f", column="root stress\nMPa")
 #: Numbers without load, by their names in ``key_numbers``, with the variables or attributes that they are.
 UNLOADED = {

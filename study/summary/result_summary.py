@@ -18,30 +18,13 @@ from ...core.arrays import Bools
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
 from ..result import CONDITIONS, PATTERN
-from .assembly import (
-    deflection_tables,
-    misalignment_over_torque,
-    misalignment_words,
-    supports_tables,
-    supports_words,
-)
+from .assembly import deflection_tables, misalignment_over_torque, misalignment_words, supports_tables, supports_words
 from .plausibility import doubts, executed_settings
-from .quantities import (
-    EDGE_SHARE,
-    FRICTION,
-    LOADED,
-    NO_VALUE,
-    ROLLING_SHARE,
-    ROOT_STRESS,
-    Quantity,
-    roughness_words,
-    written,
-)
+from .quantities import FRICTION, LOADED_ROWS, NO_VALUE, ROLLING_SHARE, ROOT_STRESS, Quantity, roughness_words, written
 from .table import ROW_COUNT_LIMIT, WIDTH, Table, summary_text, underlined
 
 COLUMN_COUNT_LIMIT = 5  # torques side by side
 FRACTIONS = ("lengthwise", "profile")
-LOADED_ROWS = LOADED | {"max_edge_share": EDGE_SHARE, "max_pressure_pair": Quantity("tooth pair", "", ".0f")}
 NO_AREA = "no area"  # of a pattern: contact at single points, on a single line, or none that is certified
 
 

@@ -14,23 +14,15 @@ from ...core.errors import InputError
 from ...core.file_origin import layout_fault, unreadable
 from ...core.netcdf_file import read_dataset, write_netcdf
 from ...core.regular_file import named
-from ..result import (
-    MAGNITUDE_LIMIT,
-    OF_A_PAIR,
-    OPTIONAL_ATTRIBUTES,
-    SWEEP_MARK,
-    AttributeKind,
-    attribute_faults,
-    form_faults,
-)
+from ..result import MAGNITUDE_LIMIT, OF_A_PAIR, OPTIONAL_ATTRIBUTES, SWEEP_MARK, attribute_faults, form_faults
 from .reductions import LOADS, ROWS, point_dimensions, swept_names
 
 SWEEP_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
-ATTRIBUTES: dict[str, AttributeKind] = {
+ATTRIBUTES = {
     **dict.fromkeys(("title", "easeoff_version", "flank", "solver"), "text"),
     **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
 }
-SWEEP_ATTRIBUTES: dict[str, AttributeKind] = {
+SWEEP_ATTRIBUTES = {
     **OPTIONAL_ATTRIBUTES[""],
     **{name: kind for name, kind in OF_A_PAIR.items() if name.startswith("misalignment_")},
     **{"sampler": "text", "distributions": "text", "seed": "number"},

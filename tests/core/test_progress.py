@@ -20,7 +20,7 @@ import easeoff
 from easeoff.cases import parse_case, write_case
 from easeoff.core.errors import InputError
 from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
-from easeoff.study.cli.command import TOOTH_STAGES, show_stage
+from easeoff.study.cli.case_run import TOOTH_STAGES, show_stage
 from easeoff.study.terminal_bar import LEAST_INTERVAL, ProgressLines, terminal_bar, working
 
 
