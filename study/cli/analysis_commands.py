@@ -14,7 +14,7 @@ from click.core import ParameterSource
 
 from ...core.errors import time_in_words
 from ...core.process_settings import THREAD_VARIABLES
-from ..terminal_bar import terminal_bar, working
+from ..progress import terminal_bar, working
 from . import option
 from .case_run import TOLD_TIME, check_cost, check_folders, opened_case, outside_allowed, progress_bar
 from .command import EXIT_UNCERTIFIED, Command, echo, next_commands, quick_start

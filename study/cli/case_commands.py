@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...core.errors import EaseoffError, InputError
-from ..terminal_bar import working
+from ..progress import working
 from . import option
 from .case_run import check_output, outside_allowed
 from .command import Command, echo, end_uncertified, next_commands, quick_start

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from ...core.errors import time_in_words
-from ..terminal_bar import terminal_bar
+from ..progress import terminal_bar
 
 if TYPE_CHECKING:
     from ...cases import Case

@@ -8,7 +8,7 @@ from typing import Any
 import click
 from click.core import ParameterSource
 
-from ..terminal_bar import working
+from ..progress import working
 from . import option
 from .case_run import check_folders, check_output, outside_allowed
 from .command import Command, echo

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from ...core.errors import printable
-from ..terminal_bar import working
+from ..progress import working
 from . import option
 from .case_run import check_output
 from .command import EXIT_UNCERTIFIED, Command, echo, next_commands, quick_start

@@ -10,7 +10,7 @@ from typing import Any
 
 import click
 
-from ..terminal_bar import count, terminal_bar
+from ..progress import count, terminal_bar
 from . import option
 from .case_run import check_cost, opened_case, progress_bar
 from .command import Command, echo, end_uncertified, next_commands

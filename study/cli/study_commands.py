@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..terminal_bar import count, terminal_bar, working
+from ..progress import count, terminal_bar, working
 from . import option
 from .case_run import check_folders, check_output, opened_case, show_stage
 from .command import EXIT_UNCERTIFIED, Command, echo, end_uncertified, next_commands, quick_start

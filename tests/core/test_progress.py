@@ -21,7 +21,7 @@ from easeoff.cases import parse_case, write_case
 from easeoff.core.errors import InputError
 from easeoff.study import WearLaw, analyze_load_cases, vh_check, wear
 from easeoff.study.cli.case_run import TOOTH_STAGES, show_stage
-from easeoff.study.terminal_bar import LEAST_INTERVAL, ProgressLines, terminal_bar, working
+from easeoff.study.progress import LEAST_INTERVAL, ProgressLines, terminal_bar, working
 
 
 class Clock:
@@ -37,7 +37,7 @@ class Clock:
 @pytest.fixture
 def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
     found = Clock()
-    monkeypatch.setattr("easeoff.study.terminal_bar.time.perf_counter", found)
+    monkeypatch.setattr("easeoff.study.progress.time.perf_counter", found)
     monkeypatch.delenv("EASEOFF_PROGRESS", raising=False)
     return found
 
@@ -196,7 +196,7 @@ def test_a_line_is_shown_without_a_terminal(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delenv("EASEOFF_PROGRESS", raising=False)
-    monkeypatch.setattr("easeoff.study.terminal_bar.FIRST_LINE", 0.0)
+    monkeypatch.setattr("easeoff.study.progress.FIRST_LINE", 0.0)
     easeoff.analyze(coarse(), torques=[100.0], progress=True)
     assert "loaded contact" in capsys.readouterr().err
     easeoff.analyze(coarse(), torques=[100.0])

@@ -33,7 +33,7 @@ ORDER = {
     ),
     # Studies return labelled data; what shows them stands above, the commands on top.
     "study": (
-        *("result", "terminal_bar", "progress", "deviations", "geometry_export", "case_in_mesh"),
+        *("result", "progress", "deviations", "geometry_export", "case_in_mesh"),
         *("case_correction", "analysis", "sweep", "design", "load_case_analysis", "vh", "wear_simulation", "library"),
         *("compare", "summary", "plot", "report", "notebook", "cli"),
     ),
