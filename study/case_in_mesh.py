@@ -183,12 +183,8 @@ class CaseInMesh:
         teeth = finite_elements(case, pair, stage)
         nodes = (settings.lengthwise_nodes, settings.profile_nodes)
         geometry = deviated_geometry(pair, nodes, departures, flanks.deviated)
-        cycle = MeshCycle.of(
-            geometry,
-            elastic_model(case, teeth),
-            mesh_positions=settings.mesh_positions,
-            segments_per_line=settings.segments_per_line,
-        )
+        counts = {"mesh_positions": settings.mesh_positions, "segments_per_line": settings.segments_per_line}
+        cycle = MeshCycle.of(geometry, elastic_model(case, teeth), **counts)
         deflections = given if isinstance(given, Deflections) else None
         return cls(
             case, flanks.flank, pair, teeth, departures, flanks.deviated, flanks.modification, cycle, deflections
@@ -247,14 +243,8 @@ class CaseInMesh:
         assemblies: dict[Misalignment, list[int]] = {}
         for number, torque in enumerate(torques):
             assemblies.setdefault(self.deflections.at(float(torque), self.flank), []).append(number)
-        constant = replace(self, deflections=None)
-        return [
-            (
-                tuple(places),
-                constant if misalignment == self.pair.assembly.misalignment else self.misaligned(misalignment),
-            )
-            for misalignment, places in assemblies.items()
-        ]
+        constant, here = replace(self, deflections=None), self.pair.assembly.misalignment
+        return [(tuple(at), constant if one == here else self.misaligned(one)) for one, at in assemblies.items()]
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -230,11 +230,8 @@ def _group_faults(tree: xr.DataTree) -> Iterator[str]:
             for text, dimension in GROUP_TEXTS.get(name, {}).items():
                 if not _is_text(dataset, text) or dataset[text].dims != (dimension,):
                     yield f"{name}: no text {text!r} over {dimension}"
-            yield from (
-                f"{name}: {one!r} must hold finite numbers"
-                for one in FINITE.get(name, ())
-                if _share(dataset, one) < 1.0
-            )
+            partial = [one for one in FINITE.get(name, ()) if _share(dataset, one) < 1.0]
+            yield from (f"{name}: {one!r} must hold finite numbers" for one in partial)
     for name, other in (("front", "optimal_settings"), ("optimization", "modification")):
         if name in tree.children and other not in tree.children:
             yield f"{name}: no group {other} beside it"

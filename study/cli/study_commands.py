@@ -285,7 +285,7 @@ def modify(
     checked = opened_case(case, output, supports=supports)
     check_output(fitted_case, case, supports, suffix=".toml", force=force)
     with terminal_bar(desc="convex programmes", unit="programme") as bar:
-        tree = modified(checked, progress=bar.update, stage=lambda name: show_stage(bar, name), **options)
+        tree = modified(checked, progress=bar.update, stage=partial(show_stage, bar), **options)
     write_result(tree, output)
     echo(modification_report(tree))
     echo(f"\nwrote {output}")
@@ -428,14 +428,8 @@ def optimize(case: str, output: Path, best_case: Path | None, resume: Path | Non
     check_output(best_case, case, suffix=".toml", force=force)
     earlier = None if resume is None else read_result(resume)
     with terminal_bar(desc="search", unit="programme") as bar:
-        tree = optimized(
-            checked,
-            options.pop("minimize") or USUAL_OBJECTIVES,
-            resume=earlier,
-            progress=bar.update,
-            stage=lambda name: show_stage(bar, name),
-            **options,
-        )
+        shown = {"progress": bar.update, "stage": partial(show_stage, bar)}
+        tree = optimized(checked, options.pop("minimize") or USUAL_OBJECTIVES, resume=earlier, **shown, **options)
     write_result(tree, output)
     echo(setting_report(tree))
     echo(f"\nwrote {output}")

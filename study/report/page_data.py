@@ -333,13 +333,8 @@ def segments(loaded: xr.Dataset, chosen: NDArray[Any], views: tuple[ToothView, .
     table = np.concatenate(columns, axis=1)
     numbers = dict(zip(("pressure", "half_width", "length", "force"), map(packed, table[3:7]), strict=True))
     places = {view.member: packed(view.fractions(table[:2])) for view in views}
-    return {
-        "start": starts,
-        "places": places,
-        "tooth": packed_exactly(table[2]),
-        "edge": packed_exactly(table[7]),
-        **numbers,
-    }
+    whole = {"tooth": packed_exactly(table[2]), "edge": packed_exactly(table[7])}
+    return {"start": starts, "places": places, **whole, **numbers}
 
 
 STEP_COUNT_LIMIT, TORQUE_COUNT_LIMIT = 12, 3  # rows of the table of wear, and columns of it
@@ -421,32 +416,24 @@ def wear_part(name: str, worn: xr.Dataset) -> dict[str, Any]:
     depth = ordered(worn.isel(step=-1), "wear_depth", "member", *GRID)
     members = [str(member) for member in worn["member"].values]
     both: tuple[MemberName, ...] = get_args(MemberName)
-    largest, ripple, pressure = (
-        ordered(worn, variable, "step", over)
-        for variable, over in (("largest_depth", "member"), ("peak_to_peak", "torque"), ("max_pressure", "torque"))
-    )
+    over = {"largest_depth": "member", "peak_to_peak": "torque", "max_pressure": "torque"}
+    depths, *others = (ordered(worn, variable, "step", dimension) for variable, dimension in over.items())
     heads = ["revolutions", *(f"depth, {member} [µm]" for member in members)]
     several = len(torques) > TORQUE_COUNT_LIMIT
     at = ["greatest of all torques"] if several else torques
-    shown_error, shown_pressure = (
-        np.max(values, axis=1, keepdims=True) if several else values for values in (ripple, pressure)
-    )
+    errors, pressures = (np.max(values, axis=1, keepdims=True) if several else values for values in others)
     heads += [f"transmission error, {words} [µrad]" for words in at]
     heads += [f"greatest pressure, {words} [MPa]" for words in at]
     rows = []
     for step in evenly_chosen(np.arange(turned.size), STEP_COUNT_LIMIT):
-        cells = [*(f"{v:.2f}" for v in largest[step]), *(written(v, ".2f") for v in shown_error[step])]
-        rows.append([f"{turned[step]:.0f}", *cells, *(written(v, ".0f") for v in shown_pressure[step])])
+        cells = [*(f"{v:.2f}" for v in depths[step]), *(written(v, ".2f") for v in errors[step])]
+        rows.append([f"{turned[step]:.0f}", *cells, *(written(v, ".0f") for v in pressures[step])])
     return {
         "name": name,
         "title": str(worn.attrs.get("title", "")),
         "stop": str(worn.attrs.get("stop", "")),
         "flanks": outlines([ToothView(ProjectionPlane.of(worn, one), None, (), one) for one in both]),  # type: ignore[arg-type]
         "depth": {member: packed(_fine(depth[members.index(member)])) for member in both},
-        "table": {
-            "heads": heads,
-            "rows": rows,
-            "variables": ["revolutions", "largest_depth", "peak_to_peak", "max_pressure"],
-        },
+        "table": {"heads": heads, "rows": rows, "variables": ["revolutions", *over]},
         "charts": [packed_chart(one) for one in wear_charts(worn)],
     }

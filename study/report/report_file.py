@@ -125,18 +125,13 @@ def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
     plane = ordered(found, "in_plane", "plane_axis", *GRID)
     (left, bottom), (right, top) = plane.min(axis=(1, 2)), plane.max(axis=(1, 2))
     margin = MARGIN * (right - left)
+    window = [left - margin, right + margin, bottom - margin, top + margin]
     return {
         "name": name,
         "title": str(found.attrs.get("title", "")),
         "flank": str(found.attrs.get("flank", "")),
         "thickness": float(found.attrs.get("separation", np.nan)),
-        "flanks": {
-            "gear": {
-                "plane": _bilinear(plane).tolist(),
-                "window": [left - margin, right + margin, bottom - margin, top + margin],
-                "common": [],
-            }
-        },
+        "flanks": {"gear": {"plane": _bilinear(plane).tolist(), "window": window, "common": []}},
         "table": places_table(found).page(),
         "total": "; ".join([totals(found), *SIGNS]),
         "reasons": reasons(found),

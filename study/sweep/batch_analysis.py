@@ -95,12 +95,8 @@ def analyze_batch(batch: Batch) -> Block:
             else:
                 point_numbers[place] = numbers
     shape = (batch.rows.size, *batch.setup.loads)
-    return Block(
-        batch.rows,
-        status.reshape(shape),
-        np.array(reasons, dtype=str).reshape(shape),
-        *_stacked(point_numbers, batch.rows.size),
-    )
+    reason = np.array(reasons, dtype=str).reshape(shape)
+    return Block(batch.rows, status.reshape(shape), reason, *_stacked(point_numbers, batch.rows.size))
 
 
 def point_tree(setup: SweepSetup, values: Mapping[str, Any]) -> xr.DataTree:
