@@ -179,9 +179,7 @@ def _kept(texts: tuple[str, ...]) -> list[tuple[str, str, int]]:
 @option.file("--load-cases", text="CSV file of load cases, a row a point: torque, E, P, G, Sigma, speed, ..., share.")
 @click.option("--samples", type=int, metavar="N", help="Number of samples of what is distributed.")
 @click.option("--seed", metavar="S", default=0, help="Seed of the samples.")
-@click.option(
-    "--sampler", type=click.Choice(["sobol", "latin_hypercube"]), default="sobol", help="How samples are drawn."
-)
+@option.choice("--sampler", ("sobol", "latin_hypercube"), "How samples are drawn.")
 @option.output("netCDF file to write.")
 @option.plots()
 @click.option(

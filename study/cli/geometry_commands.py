@@ -104,19 +104,9 @@ def margins(text: str) -> dict[str, float]:
     show_default="61x31",
     help="Surfaces and meshes: nodes of a flank, lengthwise x profile.",
 )
-@click.option(
-    "--torque",
-    type=float,
-    metavar="T",
-    show_default="the greatest",
-    help="Result: torque at the pinion in N m, one of those of the result.",
-)
-@click.option(
-    "--mesh-position",
-    type=float,
-    metavar="Q",
-    show_default="0",
-    help="Result: mesh position, from 0 to 1 over a pinion pitch, one of those of the result.",
+@option.number("--torque", "T", "Result: torque at the pinion in N m, one of those of the result.", "the greatest")
+@option.number(
+    "--mesh-position", "Q", "Result: mesh position, from 0 to 1 over a pinion pitch, one of those of the result.", "0"
 )
 def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -> None:
     """Export teeth or contact to other programs.
@@ -196,11 +186,10 @@ def _export_geometry(case: str, output: Path, member: Any, flank: Any, options: 
     show_default="those of the machine, no blades",
     help="Settings that may change, such as radial_distance,machine_root_angle; the message to a wrong one lists them.",
 )
-@click.option(
+@option.choice(
     "--set-up",
-    type=click.Choice(["auto", "shared", "own"]),
-    default="auto",
-    help="Whether both flanks of a member are cut in one set-up: auto, if their settings are equal.",
+    ("auto", "shared", "own"),
+    "Whether both flanks of a member are cut in one set-up: auto, if their settings are equal.",
 )
 @click.option(
     "--thickness",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import reduce
 from pathlib import Path
 from typing import Any, TypeVar
@@ -30,13 +30,13 @@ def adding(*options: Any) -> Callable[[Any], Any]:
     return added
 
 
+def choice(name: str, words: Sequence[str], text: str) -> Callable[[Command], Command]:
+    """Option of a command: one of some words, the first if it is left out."""
+    return click.option(name, type=click.Choice(words), default=words[0], help=text)
+
+
 #: Option ``--flank`` of a command: drive or coast.
-flank = click.option(
-    "--flank",
-    type=click.Choice(["drive", "coast"]),
-    default="drive",
-    help="Flanks in mesh: drive (concave pinion, convex gear) or coast.",
-)
+flank = choice("--flank", ("drive", "coast"), "Flanks in mesh: drive (concave pinion, convex gear) or coast.")
 #: Option ``--force`` of a command that writes a case file.
 force = click.option("--force", is_flag=True, help="Replace a case file that was edited or written by hand.")
 #: Options ``--format`` and ``--form`` of a command that writes contact problems.
@@ -60,6 +60,11 @@ def file(*names: str, text: str, folder: bool = False, **settings: Any) -> Calla
     """Option of a command by its names: a file, or a folder that need not exist."""
     kind = click.Path(path_type=Path, file_okay=not folder)
     return click.option(*names, type=kind, help=text, **{"metavar": "FOLDER" if folder else "FILE", **settings})
+
+
+def number(name: str, metavar: str, text: str, usual: str) -> Callable[[Command], Command]:
+    """Option of a command: a number, and in words what is taken without it."""
+    return click.option(name, type=float, metavar=metavar, show_default=usual, help=text)
 
 
 def output(text: str, *, required: bool = True, **settings: Any) -> Callable[[Command], Command]:

@@ -166,12 +166,7 @@ def library(output: Path, parts: str | None) -> None:
     help="Also run the backends with these tolerances: time over certified accuracy.",
 )
 @click.option("--threads", metavar="N", default=1, help="Threads for linear algebra of each solver.")
-@click.option(
-    "--time",
-    type=click.Choice(["wall", "processor"]),
-    default="wall",
-    help="Time of a call that order, tables and profiles go by.",
-)
+@option.choice("--time", ("wall", "processor"), "Time of a call that order, tables and profiles go by.")
 @click.option("--fresh", is_flag=True, help="Replace earlier measurements in the folder.")
 @click.option("--test-set", is_flag=True, help="Write the problems as a test set of qpbenchmark, too.")
 def compare(problems: tuple[Path, ...], output: Path, test_set: bool, **options: Any) -> None:

@@ -78,9 +78,7 @@ def coefficients(text: str) -> tuple[float, float]:
 @click.option(
     "--largest-step", metavar="UM", default=0.5, help="Wear depth in um after which the contact is computed anew."
 )
-@click.option(
-    "--largest-depth", type=float, metavar="UM", show_default="no limit", help="Wear depth in um at which to stop."
-)
+@option.number("--largest-depth", "UM", "Wear depth in um at which to stop.", "no limit")
 @click.option(
     "--most-steps",
     metavar="N",
@@ -135,13 +133,7 @@ GRID_OF_PICTURES = (5, 5)
 @click.option(
     "--height", default=0.5, help="Height of the centre on the gear flank, from 0 at the root to 1 at the tip."
 )
-@click.option(
-    "--largest",
-    type=float,
-    metavar="MM",
-    show_default="a tenth of the face width",
-    help="Greatest size of V and of H in mm that is tried.",
-)
+@option.number("--largest", "MM", "Greatest size of V and of H in mm that is tried.", "a tenth of the face width")
 @click.option(
     "--grid",
     callback=reader(lambda text: two_counts(text, "NUMBERxNUMBER of values of V and H, such as 5x5")),
@@ -242,26 +234,16 @@ def verify(case: str, flank: Any, supports: str | None, output: Path | None, **o
     option.MISALIGNMENT,
 )
 @option.supports
-@click.option(
-    "--objective",
-    type=click.Choice(["peak_load", "peak_pressure", "even_load"]),
-    default="peak_load",
-    help="Quantity to minimise.",
-)
+@option.choice("--objective", ("peak_load", "peak_pressure", "even_load"), "Quantity to minimise.")
 @click.option("--order", type=click.IntRange(2, 4), metavar="N", default=3, help="Greatest order of the terms.")
-@click.option(
-    "--transmission-error",
-    type=float,
-    metavar="URAD",
-    show_default="no limit",
-    help="Limit of the loaded transmission error, peak to peak, in urad.",
+@option.number(
+    "--transmission-error", "URAD", "Limit of the loaded transmission error, peak to peak, in urad.", "no limit"
 )
-@click.option(
+@option.number(
     "--end-load",
-    type=float,
-    metavar="N/MM",
-    show_default="that of the present ease-off",
-    help="Limit of the line load at the edges of the flank in N/mm; inf for no limit.",
+    "N/MM",
+    "Limit of the line load at the edges of the flank in N/mm; inf for no limit.",
+    "that of the present ease-off",
 )
 @click.option("--largest", metavar="UM", default=50.0, help="Limit of the modification in um.")
 @option.solver("Contact solver; MODULE:FUNCTION for your own.")

@@ -24,15 +24,8 @@ from ...contact.outcomes import Status
 from ...core.arrays import Array
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.tooth.tooth_flanks import MemberName
-from ..summary.curves import (
-    CYCLE,
-    Chart,
-    mean_pairs_in_contact,
-    root_stress_charts,
-    share_passage,
-    torque_name,
-    transmission_error_charts,
-)
+from ..summary import curves
+from ..summary.curves import Chart, torque_name
 from ..summary.plausibility import edge_notes, jump_notes
 from .axes_style import label_axes, legend_of_curves, panel_titles, plain_axes, plain_bar, plain_legend, torque_colours
 from .drawing_style import picture
@@ -103,7 +96,8 @@ def transmission_error(
     heights = [HEIGHTS[name] for name in names]
     subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), axes, height_ratios=heights)
     over_time = [name for name in names if name != "orders"]
-    charts = {one.name: one for one in transmission_error_charts(unloaded, loaded, np.arange(loaded.sizes["torque"]))}
+    every = np.arange(loaded.sizes["torque"])
+    charts = {one.name: one for one in curves.transmission_error_charts(unloaded, loaded, every)}
     for panel, name in zip(subplots.axes, names, strict=True):
         if name == "orders":
             draw_orders(panel, charts, on_page=subplots.on_page)
@@ -142,9 +136,9 @@ def draw_loaded(
     axes: Axes, loaded: xr.Dataset, charts: Mapping[str, Chart], *, about_mean: bool, on_page: bool = True
 ) -> None:
     """Draw the curves of all torques, as they are or about their means."""
-    torques, curves = loaded["torque"].values, charts["te_mean" if about_mean else "te_loaded"].curves
+    torques, drawn = loaded["torque"].values, charts["te_mean" if about_mean else "te_loaded"].curves
     named = set(evenly_chosen(torques, NAMED_TORQUE_LIMIT).tolist())
-    for index, (curve, colour) in enumerate(zip(curves, torque_colours(torques), strict=True)):
+    for index, (curve, colour) in enumerate(zip(drawn, torque_colours(torques), strict=True)):
         times, values = two_cycles(curve.y[:-1])
         finite = curve.y[:-1][np.isfinite(curve.y[:-1])]
         if finite.size == 0:
@@ -243,7 +237,7 @@ def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -
     """Draw the curves of the tooth pairs at one torque, with their numbers if ``named``."""
     from matplotlib.ticker import MultipleLocator, PercentFormatter
 
-    course = share_passage(at_torque)
+    course = curves.share_passage(at_torque)
     for pair in pairs_in_view(course, CYCLES):
         times = course.steps / course.per_cycle + pair
         colour = COLOURS[pair % len(COLOURS)]
@@ -258,7 +252,8 @@ def draw_shares(axes: Axes, at_torque: xr.Dataset, title: str, *, named: bool) -
     axes.yaxis.set_major_locator(MultipleLocator(0.25))
     axes.yaxis.set_major_formatter(PercentFormatter(1.0))
     # Older results lack the contact ratio.
-    pairs = float(at_torque["contact_ratio"]) if "contact_ratio" in at_torque else mean_pairs_in_contact(at_torque)
+    known = "contact_ratio" in at_torque
+    pairs = float(at_torque["contact_ratio"]) if known else curves.mean_pairs_in_contact(at_torque)
     missing = "some mesh positions missing" if np.any(np.isfinite(course.values)) else "no certified solution"
     text = f"contact ratio {pairs:.2f}" if np.isfinite(pairs) else missing
     panel_titles(axes, title, text)
@@ -445,7 +440,7 @@ def root_stress(
     names, members = chosen_parts(tuple(ROOT_STRESS_PARTS), parts), chosen_parts(MEMBERS, member, "member")
     note = "greatest tensile stress around the fillet of the loaded side, over the mesh cycle or anywhere on the face"
     note += "" if torque is not None or chosen.size == torques.size else f" · {chosen.size} of {torques.size} torques"
-    charts = {(one.name, one.member): one for one in root_stress_charts(stress, chosen)}
+    charts = {(one.name, one.member): one for one in curves.root_stress_charts(stress, chosen)}
     shape = (len(names), len(members))
     subplots = panels(tree, "Root stress", 2.5 * len(names), note, shape, axes, sharey="row")
     for number, panel in enumerate(subplots.axes):
@@ -463,7 +458,7 @@ def root_stress(
 def _draw_lines(axes: Axes, chart: Chart, colours: NDArray[Any], span: float) -> None:
     """Draw a line a torque along the face, or over two mesh cycles."""
     for one, colour in zip(chart.curves, colours, strict=True):
-        x, y = two_cycles(one.y[:-1]) if chart.kind.x == CYCLE else (one.x, one.y)
+        x, y = two_cycles(one.y[:-1]) if chart.kind.x == curves.CYCLE else (one.x, one.y)
         axes.plot(x, y, color=colour, linewidth=1.6, label=one.name)
     plain_axes(axes)
     axes.set_xlim(0.0, span)

@@ -166,9 +166,8 @@ def _pair(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
     title = _text(attributes, "title")
     for name, shipped in shipped_cases().items():
         if title == shipped:
-            yield ResultSource(
-                "pair, by its title", name, _works("bibel_1994" if name == "nasa-12x36" else "kolivand_2009")
-            )
+            key = "bibel_1994" if name == "nasa-12x36" else "kolivand_2009"
+            yield ResultSource("pair, by its title", name, _works(key))
 
 
 def _library(attributes: Mapping[Any, Any]) -> ResultSource:

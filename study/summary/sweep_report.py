@@ -164,16 +164,11 @@ def _sensitivity_tables(dataset: xr.Dataset) -> list[Table]:
         for i in np.argsort(-np.abs(np.nan_to_num(chosen["effect"].values))):
             coordinate = str(chosen["coordinate"].values[i])
             unit = str(dataset[coordinate].attrs.get("units", "1"))
-            share = chosen["variance_share"].values[i]
-            rows.append(
-                [
-                    coordinate,
-                    f"{chosen['scale'].values[i]:.3g} {unit}".removesuffix(" 1"),
-                    f"{chosen['effect'].values[i]:+.3g} {units}".removesuffix(" 1"),
-                    f"{chosen['slope'].values[i]:+.4g} {_per(units, unit)}".rstrip(),
-                    "" if np.isnan(share) else f"{100 * share:.0f} %",
-                ]
-            )
+            names = ("scale", "effect", "slope", "variance_share")
+            scale, effect, slope, share = (chosen[one].values[i] for one in names)
+            sizes = [f"{scale:.3g} {unit}".removesuffix(" 1"), f"{effect:+.3g} {units}".removesuffix(" 1")]
+            part = "" if np.isnan(share) else f"{100 * share:.0f} %"
+            rows.append([coordinate, *sizes, f"{slope:+.4g} {_per(units, unit)}".rstrip(), part])
         heads = ["coordinate", "scale", "effect", "slope", "of variance"]
         if not any(row[-1] for row in rows):
             heads, rows = heads[:-1], [row[:-1] for row in rows]
@@ -256,18 +251,9 @@ def places_table(found: xr.Dataset) -> Table:
         if np.isnan(value["v"]):
             rows.append((str(place), "not reached", *[""] * (len(HEADERS) - 2)))
             continue
-        centre = (value["pattern_centre_lengthwise"], value["pattern_centre_profile"])
-        rows.append(
-            (
-                str(place),
-                f"{value['v']:+.3f}",
-                f"{value['h']:+.3f}",
-                "{:.1f}, {:.1f}".format(*(100.0 * part for part in centre)),
-                "{:.0f}, {:.0f}".format(*(100.0 * value[name] for name in ("pattern_from", "pattern_to"))),
-                f"{100.0 * value['pattern_height']:.0f}",
-                f"{value['peak_to_peak']:.1f}",
-            )
-        )
+        along, up, first, last, height = (100.0 * value[name] for name in VARIABLES[2:7])
+        pattern = (f"{along:.1f}, {up:.1f}", f"{first:.0f}, {last:.0f}", f"{height:.0f}")
+        rows.append((str(place), f"{value['v']:+.3f}", f"{value['h']:+.3f}", *pattern, f"{value['peak_to_peak']:.1f}"))
     return Table(HEADERS, rows, variables=VARIABLES)
 
 
