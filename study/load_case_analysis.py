@@ -42,7 +42,6 @@ from .result import RESULT_SCHEMA_VERSION
 if TYPE_CHECKING:
     from ..friction import FrictionModel, Lubricant
 
-
 #: Life factors of case-hardened steel, ISO 6336-2 and -3: at fewer cycles and at the knee. Pitting stress grows with
 #: the root of the torque, root stress with the torque.
 PITTING_LIFE, PITTING_CYCLES = (1.6, 1.0), (1e5, 5e7)

@@ -141,8 +141,6 @@ FLAGS: dict[str, type[StoredStatus]] = {
 OTHER_STATUS = ("flanks", "ease_off")
 #: The contact at light load has its own torque and segments.
 LIGHT_LOAD = {"torque", "segment"}
-
-
 COMMANDS = {"V-H check": "vh", "wear": "wear"}
 
 #: What dimensions of V-H checks, of wear, and of flanks and teeth of results count, in this order.

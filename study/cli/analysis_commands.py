@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from ...cases import Case, LoadCase
     from ..sweep.sweep_plan import SweepPlan
 
-
 OF_THE_CASE = "case"  # instead of a file: the load cases of the case itself
 SINGLE_CONDITIONS = ("temperature", "roughness")
 

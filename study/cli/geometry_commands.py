@@ -17,8 +17,6 @@ from .option_values import deviation_files, keyed_numbers, names, reader, two_co
 #: Options of ``export`` that go with a result, and those that go with a case.
 CONTACT_OPTIONS = ("torque", "mesh_position")
 GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
-
-
 EDGES = ("toe", "heel", "root", "tip")
 THICKNESS_LIMIT = 1000.0  # of a measured departure [um]
 

@@ -145,14 +145,10 @@ def case(name: str = "case", *, complete: Any = case_names, **settings: Any) -> 
         "--allow-outside",
         is_flag=True,
         expose_value=False,
-        callback=_keep_allowed,
+        callback=lambda ctx, _param, value: ctx.meta.update({ALLOW_OUTSIDE: value}),
         help="Open files outside the folder of the case, too, if the case names them, such as that of an oil.",
     )
     return adding(click.argument(name, shell_complete=complete, **settings), allow_outside)
-
-
-def _keep_allowed(ctx: click.Context, _param: click.Parameter, value: bool) -> None:
-    ctx.meta[ALLOW_OUTSIDE] = value
 
 
 _PAIR: tuple[Any, ...] = (

@@ -20,7 +20,6 @@ from .result_commands import draw
 if TYPE_CHECKING:
     from ...verification.verified_pair import VerificationRow
 
-
 OF_THE_LAW = ("revolutions", "largest_step", "largest_depth", "most_steps")  # options that a ``WearLaw`` takes
 
 

@@ -6,6 +6,7 @@ Command that prints the script by which a shell completes the words of ``easeoff
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from functools import partial
 from typing import TYPE_CHECKING
 
 import click
@@ -19,39 +20,24 @@ if TYPE_CHECKING:
     Complete = Callable[[click.Context, click.Parameter, str], list[CompletionItem]]
 
 
-def words_or_files(names: Callable[[], Iterable[str]]) -> Complete:
-    """Completion by names that begin as the word does; of a word that begins otherwise, by files."""
+def completion_by(names: Callable[[], Iterable[str]], *, listed: bool = False) -> Complete:
+    """Completion by names that begin as the word does, else by files; of a list with commas, of its last name alone."""
 
     def complete(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
         from click.shell_completion import CompletionItem
 
-        matches = [CompletionItem(name) for name in names() if name.startswith(incomplete)]
-        return matches or [CompletionItem(incomplete, type="file")]
+        before, comma, last = incomplete.rpartition(",") if listed else ("", "", incomplete)
+        matches = [CompletionItem(before + comma + name) for name in names() if name.startswith(last)]
+        return matches or ([] if listed else [CompletionItem(incomplete, type="file")])
 
     return complete
 
 
-def words_in_list(names: Callable[[], Iterable[str]]) -> Complete:
-    """Completion of the last name of a list with commas."""
-
-    def complete(_ctx: click.Context, _param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        from click.shell_completion import CompletionItem
-
-        before, comma, last = incomplete.rpartition(",")
-        return [CompletionItem(before + comma + name) for name in names() if name.startswith(last)]
-
-    return complete
-
-
-def _shipped(kind: str) -> Callable[[], list[str]]:
+def _shipped(kind: str) -> list[str]:
     """Names of what is shipped of a kind."""
+    from ...cases.shipped_files import CASES, DESIGNS, SUPPORTS, names
 
-    def known() -> list[str]:
-        from ...cases.shipped_files import CASES, DESIGNS, SUPPORTS, names
-
-        return names({"case": CASES, "design": DESIGNS, "supports": SUPPORTS}[kind])
-
-    return known
+    return names({"case": CASES, "design": DESIGNS, "supports": SUPPORTS}[kind])
 
 
 def _oils() -> list[str]:
@@ -88,16 +74,14 @@ def template_names(ctx: click.Context, _param: click.Parameter, incomplete: str)
     return [CompletionItem(name) for name in (kind.names() if kind else []) if name.startswith(incomplete)]
 
 
-case_names = words_or_files(_shipped("case"))
-design_names = words_or_files(_shipped("design"))
-support_names = words_or_files(_shipped("supports"))
-oil_names = words_or_files(_oils)
-deviation_names = words_or_files(_deviations)
-solver_names = words_or_files(_solvers)
-friction_models = words_in_list(_models)
-solver_list = words_in_list(_solvers)
-
-
+case_names = completion_by(partial(_shipped, "case"))
+design_names = completion_by(partial(_shipped, "design"))
+support_names = completion_by(partial(_shipped, "supports"))
+oil_names = completion_by(_oils)
+deviation_names = completion_by(_deviations)
+solver_names = completion_by(_solvers)
+friction_models = completion_by(_models, listed=True)
+solver_list = completion_by(_solvers, listed=True)
 SHELLS = {"bash": "~/.bashrc", "zsh": "~/.zshrc", "fish": "~/.config/fish/completions/easeoff.fish"}
 #: By which the shell asks the program for completions; click derives it from the name of the program.
 VARIABLE = "_EASEOFF_COMPLETE"

@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
     from ...cases import Case
 
-
 FAULT_COUNT_LIMIT = 3  # that a message names
 
 

@@ -35,13 +35,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
 
-
 LINE_POINT_COUNT = 17  # along a drawn contact line
-
-
 FADED_PATH: dict[str, Any] = {"color": GREY, "linewidth": 0.9, "linestyle": (0, (1, 1.5))}
-
-
 BOUNDARY_SEARCH_LIMIT = 0.25  # distance beyond the common flank, as a fraction, from which the path is moved to it
 
 

@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from matplotlib.contour import ContourSet
     from matplotlib.figure import Figure
 
-
 #: Name and colour map of every quantity.
 QUANTITIES = {
     "rolling_velocity": ("rolling velocity [m/s]", "Blues"),

@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
     from matplotlib.tri import TriContourSet
 
-
 #: Panels, with their heights on a page [in].
 HEIGHTS = {"unloaded": 2.5, "loaded": 2.3, "about_mean": 2.3, "orders": 2.3}
 NAMED_TORQUE_LIMIT = 8  # in the legend

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
 from matplotlib.text import Text
 
+from .panel_grid import one_by_one
 from .style import BODY_SIZE
 from .tooth_view import EDGE_NAME, tick_step
 
@@ -27,8 +28,7 @@ def on_own_axes(axes: Any) -> Iterator[None]:
 
     Sizes of text, which are those of a page, become those of the figure: a title has ``font.size``.
     """
-    entries = [axes] if isinstance(axes, Axes) else list(np.ravel(np.array(axes, dtype=object)))
-    given = [one for one in entries if isinstance(one, Axes)]
+    given = [one for one in one_by_one(axes) if isinstance(one, Axes)]
     figures = {id(one.figure): one.get_figure(root=True) for one in given}
     before = {id(one) for figure in figures.values() if figure is not None for one in figure.axes}
     sizes = {id(text): text.get_fontsize() for one in given for text in _texts(one)}

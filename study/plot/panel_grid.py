@@ -20,13 +20,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
 #: One Axes of the caller, or as many as a picture has panels; a page of its own if ``None``.
 AxesChoice: TypeAlias = "Axes | Iterable[Axes] | None"
 PANEL_COUNT_LIMIT = 6
 TORQUE_TOLERANCE = 1e-6  # relative, between a torque as it is given and that of a result
-
-
 #: What makes a group that not every result has.
 MADE_BY = {
     "friction": "give a speed: analyze(..., speed=1500.0), or 'easeoff run --speed 1500'",
@@ -68,7 +65,7 @@ def panels(
         for axes in grid[wanted:]:
             axes.set_visible(False)
         return Panels(figure, grid[:wanted], True)
-    given = _flat(own)
+    given = one_by_one(own)
     if len(given) != wanted or not all(isinstance(axes, Axes) for axes in given):
         kinds = ", ".join(sorted({type(axes).__name__ for axes in given})) or "nothing"
         needed = "one Axes" if wanted == 1 else f"{wanted} Axes, one a panel"
@@ -77,10 +74,10 @@ def panels(
     return Panels(figure, np.array(given, dtype=object), False)
 
 
-def _flat(own: Any) -> list[Any]:
+def one_by_one(own: Any) -> list[Any]:
     """Axes one by one, out of lists and arrays of whatever shape."""
     own = own.ravel().tolist() if isinstance(own, np.ndarray) else own
-    return [axes for part in own for axes in _flat(part)] if isinstance(own, list | tuple) else [own]
+    return [axes for part in own for axes in one_by_one(part)] if isinstance(own, list | tuple) else [own]
 
 
 def evenly_chosen(values: NDArray[Any], most: int = PANEL_COUNT_LIMIT) -> Integers:

@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
 DISPLACEMENTS = (
     ("E, offset", BLUE, "o"),
     ("P, pinion away along its axis", VERMILION, "s"),

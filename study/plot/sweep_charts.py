@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
 #: Numbers that are drawn, where a sweep has them.
 DRAWN = (
     *("peak_to_peak", "max_pressure", "contact_ratio"),

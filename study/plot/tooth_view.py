@@ -26,7 +26,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.path import Path as Outline
 
-
 FINE_GRID = (241, 121)  # points along the face and the profile
 EDGE_NAME = "edge name"  # mark of the words beside the edges of a flank
 MARGIN_WIDTH = 1.3  # around the flank, for the names of its edges [mm per 30 mm of face]

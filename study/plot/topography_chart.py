@@ -38,7 +38,6 @@ if TYPE_CHECKING:
     from matplotlib.contour import QuadContourSet
     from matplotlib.figure import Figure
 
-
 FLANK_STATES = {"before": "measured", "after": "predicted after the correction"}
 HEIGHT_SHARE = 0.36  # of the sheet's height over its length, as drawn
 SHEAR = 0.08  # by which the sheet leans over to the right, of its length: bars of one column stand side by side

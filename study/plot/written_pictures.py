@@ -35,7 +35,6 @@ from .topography_chart import deviations, ease_off, optimization
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-
 Drawing = Callable[..., "Figure"]
 
 #: Pictures of every result.

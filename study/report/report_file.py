@@ -189,8 +189,6 @@ PARTS = ("reading.js", "charts.js", "flanks.js", "teeth.js", "page.js")
 
 #: Nothing may be loaded from anywhere.
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
-
-
 Given = xr.DataTree | xr.Dataset
 
 
