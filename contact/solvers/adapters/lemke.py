@@ -11,7 +11,7 @@ from ...problem.programme_forms import eliminated_system, forces_and_rotation
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError
 from ..solution import ScaledAnswer, Status
-from ..solver_table import LARGEST_PIVOTING
+from ..solver_table import SOLVERS
 
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
@@ -19,9 +19,9 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
     unknown = sorted(set(settings) - {"max_pivots", "time_limit"})
     if unknown:
         raise InputError(f"settings = {', '.join(unknown)}: must be max_pivots or time_limit, the settings of lemke")
-    size = problem.separation.size
-    if size > LARGEST_PIVOTING:
-        raise InputError(f"size = {size}: must be at most {LARGEST_PIVOTING} segments for lemke")
+    size, largest = problem.separation.size, SOLVERS["lemke"].largest
+    if largest is not None and size > largest:
+        raise InputError(f"size = {size}: must be at most {largest} segments for lemke")
     matrix, vector, eliminated = eliminated_system(problem)
     result = lemke(matrix, vector, **settings)
     if result.ended == "ray":

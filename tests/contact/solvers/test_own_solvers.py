@@ -43,7 +43,7 @@ from easeoff.contact.solvers import backend_solution as backend_solution_module,
 from easeoff.contact.solvers.backend_solution import backend_solution
 from easeoff.contact.solvers.registry import chosen_solver, require_solver
 from easeoff.contact.solvers.solution import ScaledAnswer
-from easeoff.contact.solvers.solver_table import LARGEST_PIVOTING
+from easeoff.contact.solvers.solver_table import SOLVERS
 from easeoff.core import foreign_code as foreign_code_module
 from easeoff.core.foreign_code import ForeignCodeError, foreign_code
 from easeoff.study import cli as study_cli
@@ -858,7 +858,7 @@ def test_pivot_limit_is_a_status() -> None:
 
 
 def test_large_problems_are_refused() -> None:
-    n = LARGEST_PIVOTING + 1
+    n = (SOLVERS["lemke"].largest or 0) + 1
     problem = ContactProblem(np.zeros(n), np.ones(n), 1.0, (np.ones(n), np.zeros((n, 0))))
     with pytest.raises(InputError, match=f"size = {n}: must be at most"):
         solve(problem, "lemke")
