@@ -52,7 +52,7 @@ myst_fence_as_directive = ["math"]
 autodoc_typehints = "description"
 autodoc_typehints_description_target = "documented"
 # Named as in the source, not spelt out.
-autodoc_type_aliases = {name: name for name in ("ArrayLike", "Array", "FloatArray", "Mask", "SolverChoice")}
+autodoc_type_aliases = {name: name for name in ("ArrayLike", "Array", "Mask", "SolverChoice")}
 autodoc_member_order = "bysource"
 autodoc_preserve_defaults = True
 autosummary_generate = True

@@ -20,13 +20,13 @@ under a uniform load neither matters.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
+from math import pi
 from typing import Literal, NamedTuple, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Array
 from ...core.checks import one_of, positive
 from .material import Material
 from .shell_kinematics import (
@@ -89,11 +89,9 @@ class ElasticFoundation:
         nu = poisson_ratio
         if self.source == "weber":
             return FoundationConstants(5.2, 1.0, 1.4, (1.0 - nu) / 2.4)
-        return FoundationConstants(
-            16.67 / math.pi, 2.0 * (1.0 - 2.0 * nu) / (1.0 - nu), 1.534, 1.0 / (2.4 * (1.0 + nu))
-        )
+        return FoundationConstants(16.67 / pi, 2.0 * (1.0 - 2.0 * nu) / (1.0 - nu), 1.534, 1.0 / (2.4 * (1.0 + nu)))
 
-    def stiffness(self, root_thickness: NDArray[np.float64], material: Material) -> NDArray[np.float64]:
+    def stiffness(self, root_thickness: Array, material: Material) -> Array:
         """Spring stiffness per unit length of the root line.
 
         Parameters

@@ -16,7 +16,6 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ...core.arrays import Array, Integers, record
 from ...core.attributes import ordered
@@ -56,9 +55,7 @@ class BodyCoupling:
             start = modes.stop
         return result
 
-    def shared_modes(
-        self, pairs: Sequence[int] | Integers, segments: Sequence[NDArray[np.intp]], loads: Array
-    ) -> SharedModes:
+    def shared_modes(self, pairs: Sequence[int] | Integers, segments: Sequence[Integers], loads: Array) -> SharedModes:
         """Modes of the bodies that tooth pairs (p) share, with unit loads (n, q) on their segments in these modes."""
         root = self._root(tuple(int(pair) for pair in pairs))
         on_root = np.concatenate([loads[rows] @ pair_root for rows, pair_root in zip(segments, root, strict=True)])
@@ -161,10 +158,9 @@ def tooth_dimensions(teeth: xr.Dataset, member: str, plate: PlateName = "even") 
 
 def shells(teeth: xr.Dataset, model: ElasticModel) -> tuple[Shell, Shell]:
     """Shells of pinion and gear."""
-    materials = (model.pinion, model.gear)
     pinion, gear = (
         Shell(tooth_dimensions(teeth, member, model.plate), material, model.modes, model.shear_factor, model.foundation)
-        for member, material in zip(MEMBERS, materials, strict=True)
+        for member, material in zip(MEMBERS, (model.pinion, model.gear), strict=True)
     )
     return pinion, gear
 

@@ -56,9 +56,7 @@ class HalfSpaceCompliance(LinearOperator):
         bodies = instances("materials", materials, Material, 2)
         flexibility = sum(1.0 / material.plane_strain_modulus for material in bodies)
         area = lengths[0] * lengths[1]
-        integral = even_pressure_integral(
-            first[:, None], second[None], np.array(0.5 * lengths[0]), np.array(0.5 * lengths[1])
-        )
+        integral = even_pressure_integral(first[:, None], second[None], *np.split(0.5 * lengths, 2))
         influence = flexibility / (np.pi * area) * integral
         self._own = float(influence[0, 0])
         self._padded = tuple(next_fast_len(2 * count - 1, real=True) for count in self.cells)

@@ -30,9 +30,9 @@ from math import comb, perm
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ...core.arrays import Bools, record
+from ...core.arrays import Bools, Integers, RealArray as Array, record
 from ...core.checks import instance, positive, two_whole
 from ...core.errors import InputError
 from .elastic_foundation import ElasticFoundation
@@ -46,7 +46,6 @@ from .shell_kinematics import (
     STRAIN_X,
     STRAIN_Y,
     DisplacementAssumption,
-    FloatArray,
     Kinematics,
     five_field,
 )
@@ -56,11 +55,11 @@ from .tooth_dimensions import ToothDimensions
 class PolynomialFamily(Protocol):
     """Function that evaluates a family of polynomials, as ``legendre`` does."""
 
-    def __call__(self, relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
+    def __call__(self, relative: Array, count: int, *, order: int = 0) -> Array:
         """Values and derivatives of the first ``count`` polynomials."""
 
 
-def legendre(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
+def legendre(relative: Array, count: int, *, order: int = 0) -> Array:
     """Shifted Legendre polynomials and derivatives (order + 1, ..., count) at positions (...), 0 and 1 the ends."""
     values = np.zeros((order + 1, *relative.shape, count))
     t = 2.0 * relative - 1.0
@@ -80,8 +79,8 @@ def legendre(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
 
 
 def rooted_polynomials(
-    relative: FloatArray, count: int, root_power: int, *, order: int = 0, family: PolynomialFamily = legendre
-) -> FloatArray:
+    relative: Array, count: int, root_power: int, *, order: int = 0, family: PolynomialFamily = legendre
+) -> Array:
     """Polynomials times a power of the relative height, and their derivatives (order + 1, ..., count).
 
     ``root_power`` 0 leaves the root free, 1 pins the function there, 2 clamps it (value and slope vanish).
@@ -124,7 +123,7 @@ class TrialFunctions:
         """Number of degrees of freedom."""
         return len(self.root_powers) * self.height_count * self.length_count
 
-    def over_height(self, x: FloatArray, root_power: int, order: int = 0) -> FloatArray:
+    def over_height(self, x: Array, root_power: int, order: int = 0) -> Array:
         """Height functions and their derivatives d/dx [1/mm per order], (order + 1, *x.shape, height_count)."""
         functions = rooted_polynomials(
             x / self.reference_height, self.height_count, root_power, order=order, family=self.family
@@ -133,7 +132,7 @@ class TrialFunctions:
             functions[derivative] /= self.reference_height**derivative
         return functions
 
-    def along_trace(self, y: FloatArray, order: int = 0) -> FloatArray:
+    def along_trace(self, y: Array, order: int = 0) -> Array:
         """Lengthwise functions and their derivatives d/dy [1/mm per order], (order + 1, *y.shape, length_count)."""
         functions = self.family(y / self.trace_length, self.length_count, order=order)
         for derivative in range(1, order + 1):
@@ -141,12 +140,12 @@ class TrialFunctions:
         return functions
 
 
-def _unit_gauss(count: int) -> tuple[FloatArray, FloatArray]:
+def _unit_gauss(count: int) -> tuple[Array, Array]:
     points, weights = np.polynomial.legendre.leggauss(count)
     return 0.5 * (points + 1.0), 0.5 * weights
 
 
-def _energy_roots(material: Material, shear_factor: float) -> FloatArray:
+def _energy_roots(material: Material, shear_factor: float) -> Array:
     """Matrix R with R^T R = D, the plane stress law with transverse shear (Kolivand 2009, Eq. 3.6a)."""
     nu, shear = material.poisson_ratio, np.sqrt(material.shear_modulus)
     roots = np.zeros((NUMBER_OF_STRAINS, NUMBER_OF_STRAINS))
@@ -166,7 +165,7 @@ def stiffness_matrix(
     functions: TrialFunctions,
     shear_factor: float = 1.0,
     foundation: ElasticFoundation | None = None,
-) -> FloatArray:
+) -> Array:
     """Ritz stiffness matrix (n_dof, n_dof) [N/mm] of a tooth (Kolivand 2009, Eq. 3.6-3.10).
 
     Coefficients are in mm (or rad); ``shear_factor`` is on the energy of both transverse shear strains; without
@@ -221,7 +220,7 @@ def stiffness_matrix(
     return np.asarray(0.5 * (stiffness + stiffness.T))
 
 
-def root_shapes(kinematics: Kinematics, functions: TrialFunctions) -> FloatArray:
+def root_shapes(kinematics: Kinematics, functions: TrialFunctions) -> Array:
     """Root quantities of the height functions, shape (quantities, fields, height_count)."""
     shapes = np.zeros((NUMBER_OF_ROOT_QUANTITIES, len(functions.root_powers), functions.height_count))
     for term in kinematics.root_terms:
@@ -285,9 +284,9 @@ class Shell:
     assumption: DisplacementAssumption = five_field
     family: PolynomialFamily = legendre
     functions: TrialFunctions = field(init=False, repr=False, compare=False)
-    _factor: FloatArray = field(init=False, repr=False, compare=False)
-    _order: NDArray[np.intp] = field(init=False, repr=False, compare=False)
-    _scale: FloatArray = field(init=False, repr=False, compare=False)
+    _factor: Array = field(init=False, repr=False, compare=False)
+    _order: Integers = field(init=False, repr=False, compare=False)
+    _scale: Array = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         from scipy.linalg.lapack import dpotrf
@@ -340,7 +339,7 @@ class Shell:
         return int(np.count_nonzero(~self._feels_mid_surface_loads))
 
     @cached_property
-    def _mid_surface_whitening(self) -> FloatArray:
+    def _mid_surface_whitening(self) -> Array:
         """(L^-1 D^-1/2)^T of the last block: a product with it takes half the time of a substitution."""
         from scipy.linalg.lapack import dtrtri
 
@@ -355,7 +354,7 @@ class Shell:
         felt = np.isin(np.arange(len(self.functions.root_powers)), list(fields))
         return np.repeat(felt, self.size // felt.size)
 
-    def stiffness(self) -> FloatArray:
+    def stiffness(self) -> Array:
         """Ritz stiffness matrix, shape (n_dof, n_dof) [N/mm]; assembled anew, for inspection and checks."""
         return stiffness_matrix(
             self.dimensions, self.material, self.kinematics, self.functions, self.shear_factor, self.foundation
@@ -368,7 +367,7 @@ class Shell:
         direction: ArrayLike,
         weights: ArrayLike | None = None,
         offset: ArrayLike | None = None,
-    ) -> FloatArray:
+    ) -> Array:
         """Work of unit loads on every trial function.
 
         A load acts at a point of the mid-surface, or at an offset from it. A force on the flank may be given at the
@@ -411,7 +410,7 @@ class Shell:
 
     def whitened_mid_surface_loads(
         self, x: ArrayLike, y: ArrayLike, direction: ArrayLike, weights: ArrayLike | None = None
-    ) -> FloatArray:
+    ) -> Array:
         """Whitened unit loads on the mid-surface, as ``whiten`` of ``load_vectors`` without the rows that are zero.
 
         Parameters
@@ -429,7 +428,7 @@ class Shell:
 
     def _work(
         self, x: ArrayLike, y: ArrayLike, direction: ArrayLike, weights: ArrayLike | None, offset: ArrayLike | None
-    ) -> tuple[list[int], FloatArray]:
+    ) -> tuple[list[int], Array]:
         """Fields that feel loads, ascending, and the work on their trial functions (points, field, height, length)."""
         direction = np.asarray(direction, dtype=np.float64)
         if direction.ndim == 0 or direction.shape[-1] != 3:
@@ -469,7 +468,7 @@ class Shell:
             work = summed.reshape(*points, len(terms), functions.height_count, functions.length_count)
         return [one.field for one in terms], work
 
-    def whiten(self, load_vectors: ArrayLike) -> FloatArray:
+    def whiten(self, load_vectors: ArrayLike) -> Array:
         """Whitened loads: their inner products are the compliances.
 
         Parameters
@@ -494,7 +493,7 @@ class Shell:
         felt = self._whitened(vectors[:, self._order[idle:]])
         return np.concatenate([np.zeros((idle, len(vectors))), felt.T])
 
-    def _whitened(self, loads: FloatArray) -> FloatArray:
+    def _whitened(self, loads: Array) -> Array:
         """Whitened loads from their work on the degrees of freedom that feel them, a row each."""
         from scipy.linalg.blas import dtrmm
 
@@ -502,7 +501,7 @@ class Shell:
             return np.zeros(loads.shape)
         return np.asarray(dtrmm(1.0, self._mid_surface_whitening, loads.T, trans_a=1).T)
 
-    def compliance(self, load_vectors: ArrayLike) -> FloatArray:
+    def compliance(self, load_vectors: ArrayLike) -> Array:
         """Compliance matrix between loads (Kolivand 2009, Eq. 3.11).
 
         Parameters

@@ -23,9 +23,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from ...core.arrays import RealArray as Array
 
 # Order of the strains in every strain vector.
 STRAIN_X, STRAIN_Y, SHEAR_XY, SHEAR_XZ, SHEAR_YZ = range(5)
@@ -48,7 +47,7 @@ class StrainTerm:
     field: int
     x_derivative: int
     y_derivative: int
-    coefficient: Callable[[FloatArray, FloatArray], FloatArray]
+    coefficient: Callable[[Array, Array], Array]
     fans: bool = False
 
 

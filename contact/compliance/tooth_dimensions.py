@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from ...core.arrays import RealArray as Array
 from ...core.checks import number, positive
 from ...core.errors import InputError
 
@@ -93,7 +94,7 @@ class ToothDimensions:
         return max(corners) + max(self.bulge_toe, self.bulge_heel, 0.0)
 
     @property
-    def _ends(self) -> NDArray[np.float64]:
+    def _ends(self) -> Array:
         """Arc lengths of toe and heel [mm]."""
         return np.array([0.0, self.trace_length])
 
@@ -102,7 +103,7 @@ class ToothDimensions:
         """Curvature of the tooth trace [1/mm]; zero for a straight tooth."""
         return 1.0 / self.trace_radius
 
-    def height(self, y: ArrayLike) -> NDArray[np.float64]:
+    def height(self, y: ArrayLike) -> Array:
         """Tooth height above the root line (Kolivand 2009, Eq. 3.1b).
 
         Parameters
@@ -118,7 +119,7 @@ class ToothDimensions:
         fraction = np.asarray(y, dtype=np.float64) / self.trace_length
         return np.asarray(self.height_toe + (self.height_heel - self.height_toe) * fraction)
 
-    def thickness(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def thickness(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Tooth thickness (Kolivand 2009, Eq. 3.1a): bilinear in the relative height and length, plus the bulge.
 
         Parameters
@@ -139,7 +140,7 @@ class ToothDimensions:
         even = root + (tip - root) * relative_height
         return np.asarray(even + 4.0 * bulge * relative_height * (1.0 - relative_height))
 
-    def stretch(self, x: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
+    def stretch(self, x: ArrayLike, y: ArrayLike) -> Array:
         """Length along the trace at a height over that at mid height.
 
         Parameters

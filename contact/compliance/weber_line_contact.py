@@ -53,18 +53,16 @@ from dataclasses import field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ...core.arrays import record
+from ...core.arrays import RealArray as Array, record
 from ...core.checks import number, positive, shown
 from ...core.errors import InputError
 from ...core.kernels import kernel
 from .material import Material
 
-FloatArray = NDArray[np.float64]
 
-
-def strip_half_width(overhang: FloatArray, squared: FloatArray) -> FloatArray:
+def strip_half_width(overhang: Array, squared: Array) -> Array:
     """Half-widths of strips cut by an edge [mm]; ``squared`` are squares of the whole ones under the same line load.
 
     ``overhang`` is the distance of the strip's middle beyond the edge [mm], negative before it; NaN without an edge.
@@ -82,11 +80,9 @@ FOOT_OF_NORMAL_CORRECTION = 0.14
 q (1 - nu^2) / E per body: mean of plane strain finite elements of tapered teeth, which give 0.12 to 0.17."""
 
 
-#: Arrays of a line contact with a value for every segment.
-_OF_SEGMENTS = (
-    *("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang"),
-    *("_floor", "_start", "_bend", "_floor_energy"),
-)
+#: Arrays of a line contact with a value for every segment: those given, and all.
+_GIVEN = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang")
+_OF_SEGMENTS = (*_GIVEN, "_floor", "_start", "_bend", "_floor_energy")
 
 
 @record(frozen=True, eq=False)
@@ -96,29 +92,28 @@ class WeberLineContact:
     The relative radius is 1 / (1/R_1 + 1/R_2) with signed radii. Lengths, radii and depths must be positive.
     """
 
-    length: FloatArray
-    equivalent_radius: FloatArray  # across the contact line [mm]
-    depth_pinion: FloatArray  # along the contact normal to the mid-surface [mm]
-    depth_gear: FloatArray
+    length: Array
+    equivalent_radius: Array  # across the contact line [mm]
+    depth_pinion: Array  # along the contact normal to the mid-surface [mm]
+    depth_gear: Array
     material_pinion: Material
     material_gear: Material
     foot_correction: float = 0.0  # in q (1 - nu^2) / E per body, added to Weber's
     floor_ratio: float = 1e-3  # half-width over mean depth, below it quadratic; 1e-3 is some 0.03 N/mm
-    overhang: FloatArray = field(default_factory=lambda: np.array(np.nan))  # beyond an edge [mm], NaN without one
-    _floor: FloatArray = field(init=False, repr=False)
-    _start: FloatArray = field(init=False, repr=False)
-    _bend: FloatArray = field(init=False, repr=False)
-    _floor_energy: FloatArray = field(init=False, repr=False)
+    overhang: Array = field(default_factory=lambda: np.array(np.nan))  # beyond an edge [mm], NaN without one
+    _floor: Array = field(init=False, repr=False)
+    _start: Array = field(init=False, repr=False)
+    _bend: Array = field(init=False, repr=False)
+    _floor_energy: Array = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
-        names = ("length", "equivalent_radius", "depth_pinion", "depth_gear", "overhang")
-        arrays = [np.asarray(getattr(self, name), dtype=np.float64) for name in names]
+        arrays = [np.asarray(getattr(self, name), dtype=np.float64) for name in _GIVEN]
         try:
             arrays = [np.array(array) for array in np.broadcast_arrays(*arrays)]
         except ValueError:
-            shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(names, arrays, strict=True))
+            shapes = ", ".join(f"{name} {array.shape}" for name, array in zip(_GIVEN, arrays, strict=True))
             raise InputError(f"arrays of shapes {shapes}: must broadcast together") from None
-        for name, array in zip(names, arrays, strict=True):
+        for name, array in zip(_GIVEN, arrays, strict=True):
             if name == "overhang":
                 allowed, bad = "finite or NaN [mm]", np.isinf(array)
             else:
@@ -143,9 +138,8 @@ class WeberLineContact:
     @classmethod
     def joined(cls, contacts: Sequence[WeberLineContact]) -> WeberLineContact:
         """Join line contacts of the same materials and options: their arrays (n) are concatenated."""
-        joined = contacts[0]._with(
-            {name: np.concatenate([getattr(contact, name) for contact in contacts]) for name in _OF_SEGMENTS}
-        )
+        arrays = {name: np.concatenate([getattr(contact, name) for contact in contacts]) for name in _OF_SEGMENTS}
+        joined = contacts[0]._with(arrays)
         joined.__dict__.pop("parameters", None)
         return joined
 
@@ -153,14 +147,14 @@ class WeberLineContact:
         """Some of the segments alone, of arrays (n)."""
         return self._with({name: getattr(self, name)[chosen] for name in (*_OF_SEGMENTS, "parameters")})
 
-    def _with(self, arrays: Mapping[str, FloatArray]) -> WeberLineContact:
+    def _with(self, arrays: Mapping[str, Array]) -> WeberLineContact:
         """The same materials and options with other arrays by name, which are checked already."""
         contact = copy(self)
         contact.__dict__.update(arrays)  # frozen
         return contact
 
     @property
-    def _width_squared(self) -> FloatArray:
+    def _width_squared(self) -> Array:
         """Square of the half-width over the line load."""
         return np.asarray(4.0 / math.pi * self.flexibility * self.equivalent_radius)
 
@@ -170,7 +164,7 @@ class WeberLineContact:
         return 1.0 / self.material_pinion.plane_strain_modulus + 1.0 / self.material_gear.plane_strain_modulus
 
     @cached_property
-    def parameters(self) -> FloatArray:
+    def parameters(self) -> Array:
         """The formula's numbers (n, 14), as the compiled contact solution reads them.
 
         Length; depths, deflections per line load over the logarithm, contractions of pinion and gear; squared
@@ -187,19 +181,15 @@ class WeberLineContact:
     @property
     def _units(self) -> list[float]:
         """Deflection of each body per line load over the logarithm."""
-        return [
-            2.0 / (math.pi * material.plane_strain_modulus) for material in (self.material_pinion, self.material_gear)
-        ]
+        return [2.0 / (math.pi * body.plane_strain_modulus) for body in (self.material_pinion, self.material_gear)]
 
     @property
     def _contractions(self) -> list[float]:
         """Poisson's ratio of each body over one less it."""
-        return [
-            material.poisson_ratio / (1.0 - material.poisson_ratio)
-            for material in (self.material_pinion, self.material_gear)
-        ]
+        ratios = self.material_pinion.poisson_ratio, self.material_gear.poisson_ratio
+        return [ratio / (1.0 - ratio) for ratio in ratios]
 
-    def _by_load(self, line_load: FloatArray) -> FloatArray:
+    def _by_load(self, line_load: Array) -> Array:
         """Secant and tangent of the deflection over line loads (...), (2, ...) [mm/(N/mm)]."""
         places = np.arange(self.length.size).reshape(self.length.shape)
         segment = np.ravel(np.broadcast_to(places, line_load.shape))
@@ -207,53 +197,52 @@ class WeberLineContact:
         deflections(self.parameters, segment, np.ravel(line_load), compliances)
         return compliances.reshape(2, *line_load.shape)
 
-    def _whole_energy(self, line_load: FloatArray) -> FloatArray:
+    def _whole_energy(self, line_load: Array) -> Array:
         """Energy per length of whole strips, the closed integral of the secant times the line load [N]."""
         squared = self._width_squared * line_load
-        energy: FloatArray = np.full(squared.shape, 0.5 * self.foot_correction * self.flexibility)
-        for h, unit, contraction in zip(
-            (self.depth_pinion, self.depth_gear), self._units, self._contractions, strict=True
-        ):
+        energy: Array = np.full(squared.shape, 0.5 * self.foot_correction * self.flexibility)
+        depths = self.depth_pinion, self.depth_gear
+        for h, unit, contraction in zip(depths, self._units, self._contractions, strict=True):
             s = np.sqrt(h * h + squared)
             rest = (s + 2.0 * h) / 6.0 - contraction * (2.0 * s + h) / 3.0
             energy = energy + unit * (0.5 * np.arcsinh(h / np.sqrt(squared)) + h * rest / (s + h) ** 2)
         return np.asarray(energy * line_load**2)
 
-    def _quadratic_energy(self, line_load: FloatArray) -> FloatArray:
+    def _quadratic_energy(self, line_load: Array) -> Array:
         """Energy per length below the floor."""
         return np.asarray(line_load**2 * (0.5 * self._start + self._bend * np.maximum(line_load, 0.0) / 3.0))
 
-    def _line_load(self, force: ArrayLike) -> FloatArray:
+    def _line_load(self, force: ArrayLike) -> Array:
         """Line loads of forces."""
         return np.asarray(np.asarray(force, dtype=np.float64) / self.length)
 
-    def secant(self, force: ArrayLike) -> FloatArray:
+    def secant(self, force: ArrayLike) -> Array:
         """Secant compliance [mm/N]: deflection over force [N], at zero force its limit."""
         return np.asarray(self._by_load(self._line_load(force))[0] / self.length)
 
-    def deflection(self, force: ArrayLike) -> FloatArray:
+    def deflection(self, force: ArrayLike) -> Array:
         """Approach of the two mid-surfaces by local deformation [mm], along the contact normal, under forces [N]."""
         return np.asarray(self.secant(force) * np.asarray(force, dtype=np.float64))
 
-    def tangent(self, force: ArrayLike) -> FloatArray:
+    def tangent(self, force: ArrayLike) -> Array:
         """Tangent compliance [mm/N]: derivative of the deflection by the force [N]."""
         return np.asarray(self._by_load(self._line_load(force))[1] / self.length)
 
-    def energy(self, force: ArrayLike) -> FloatArray:
+    def energy(self, force: ArrayLike) -> Array:
         """Elastic energy [N mm], the deflection integrated over the force [N]; NaN near an edge: no closed form."""
         line_load = self._line_load(force)
         above = self._whole_energy(np.maximum(line_load, self._floor)) + self._floor_energy
         energy = np.where(line_load < self._floor, self._quadratic_energy(line_load), above)
         return np.where(np.isnan(self.overhang), energy * self.length, np.nan)
 
-    def half_width(self, force: ArrayLike) -> FloatArray:
+    def half_width(self, force: ArrayLike) -> Array:
         """Half-width of the pressed strip [mm] under forces [N]; zero where the force is not positive."""
         line_load = self._line_load(force)
         pressed = line_load > 0.0
         squared = self._width_squared * np.where(pressed, line_load, 1.0)
         return np.where(pressed, strip_half_width(self.overhang, squared), 0.0)
 
-    def pressure(self, force: ArrayLike) -> FloatArray:
+    def pressure(self, force: ArrayLike) -> Array:
         """Largest Hertzian pressure 2 q / (pi b) [MPa]; zero where the force [N] is not positive.
 
         NaN where the bodies come closest on an edge: at a sharp edge it has no limit. Where an edge cuts the side of a

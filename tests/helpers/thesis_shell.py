@@ -24,11 +24,11 @@ from easeoff.contact.compliance.shell_kinematics import (
     STRAIN_X,
     STRAIN_Y,
     DisplacementTerm,
-    FloatArray,
     Kinematics,
     RootTerm,
     StrainTerm,
 )
+from easeoff.core.arrays import RealArray as Array
 
 
 def thesis_kinematics(curvature: float, fanning: float) -> Kinematics:
@@ -63,7 +63,7 @@ def thesis_kinematics(curvature: float, fanning: float) -> Kinematics:
     )
 
 
-def monomials(relative: FloatArray, count: int, *, order: int = 0) -> FloatArray:
+def monomials(relative: Array, count: int, *, order: int = 0) -> Array:
     """Values and derivatives of plain powers; parameters and result as ``shell.legendre``.
 
     They span the space of the Legendre polynomials, and lose all digits beyond about (5, 5) modes.

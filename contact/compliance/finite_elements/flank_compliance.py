@@ -15,6 +15,7 @@ surface face that lie above these points, carried on to the surface along the li
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -140,29 +141,24 @@ def feet_of_normals(lattice: ToothLattice, *, in_tooth: bool = False) -> Feet:
     middle = lattice.column[:, lattice.column.shape[1] // 2]
     count, rows = middle.shape
     start, normal = lattice.nodes[lattice.flank].reshape(-1, 3), lattice.flank_normal.reshape(-1, 3)
-    at = np.meshgrid(np.arange(count, dtype=float), np.arange(lattice.root_row, rows, dtype=float), indexing="ij")
-    point = np.stack([a.ravel() for a in at])
-    depth = np.zeros(len(start))
+    point, depth = np.mgrid[:count, lattice.root_row : rows].reshape(2, -1).astype(float), np.zeros(len(start))
     lowest = np.array([[0.0], [float(lattice.root_row) if in_tooth else 0.0]])
     highest = np.array([[count - 1.0], [rows - 1.0]])
 
-    def shares(point: Array) -> tuple[Integers, Array, Array, Array]:
+    def shares(point: Array) -> tuple[Integers, list[Array]]:
         (i, along, d_along), (j, up, d_up) = (share_of_three(p, n) for p, n in zip(point, (count, rows), strict=True))
+        products = (along, up), (d_along, up), (along, d_up)
         nodes = middle[i[:, :, None], j[:, None, :]].reshape(-1, 9)
-        products = [
-            (a[:, :, None] * b[:, None, :]).reshape(-1, 9) for a, b in ((along, up), (d_along, up), (along, d_up))
-        ]
-        return nodes, products[0], products[1], products[2]
+        return nodes, [(a[:, :, None] * b[:, None, :]).reshape(-1, 9) for a, b in products]
 
     for _ in range(FOOT_ITERATIONS):
-        nodes, value, d_along, d_up = shares(point)
-        there = lattice.nodes[nodes]
-        position, *tangents = (np.einsum("nk,nkx->nx", s, there) for s in (value, d_along, d_up))
+        nodes, value_and_slopes = shares(point)
+        position, *tangents = (np.einsum("nk,nkx->nx", share, lattice.nodes[nodes]) for share in value_and_slopes)
         off = position + depth[:, None] * normal - start
         step = np.linalg.solve(np.stack([*tangents, normal], axis=2), off[..., None])[..., 0]
         point = np.clip(point - np.clip(step[:, :2].T, -2.0, 2.0), lowest, highest)
         depth = depth - step[:, 2]
-    nodes, value, _, _ = shares(point)
+    nodes, (value, _, _) = shares(point)
     position = np.einsum("nk,nkx->nx", value, lattice.nodes[nodes])
     return Feet(nodes, value, np.sum((start - position) * normal, axis=1))
 
@@ -200,21 +196,16 @@ class StressResponse:
 
     def largest(self, forces: Array) -> Array:
         """Largest tensile stress (s, n) [MPa] at each station, for n sets of forces (k, n) [N] on the nodes."""
-        step = FORCE_SETS_PER_BATCH
-        parts = [self._largest(forces[:, start : start + step]) for start in range(0, forces.shape[1], step)]
+        tensors = (self._tensor(batch) for batch in _batches(forces))
+        parts = [np.linalg.eigvalsh(tensor)[..., -1].max(axis=1) for tensor in tensors]
         return np.concatenate([np.empty((self.lengthwise.size, 0)), *parts], axis=1)
-
-    def _largest(self, forces: Array) -> Array:
-        return np.asarray(np.linalg.eigvalsh(self._tensor(forces))[..., -1].max(axis=1))
 
     def gradients(self, forces: Array) -> Array:
         """Derivatives (k, n) [MPa/N] of the largest tensile stress of all stations by the forces on the nodes (k, n).
 
         The place of the largest stress and its direction, in which there is no shear, stay to first order.
         """
-        step, count = FORCE_SETS_PER_BATCH, forces.shape[1]
-        parts = [self._gradients(forces[:, start : start + step]) for start in range(0, count, step)]
-        return np.concatenate([np.empty((forces.shape[0], 0)), *parts], axis=1)
+        return np.concatenate([np.empty((len(forces), 0)), *map(self._gradients, _batches(forces))], axis=1)
 
     def _gradients(self, forces: Array) -> Array:
         tensor = self._tensor(forces)
@@ -234,6 +225,12 @@ class StressResponse:
         return tensor
 
 
+def _batches(forces: Array) -> Iterator[Array]:
+    """Sets of forces (k, n), so many at a time."""
+    step = FORCE_SETS_PER_BATCH
+    return (forces[:, start : start + step] for start in range(0, forces.shape[1], step))
+
+
 def _faces(lattice: ToothLattice) -> list[tuple[Integers, int, int]]:
     """Bricks on the loaded side's fillet (m, 3, 3, 3), the axis across their surface, and the end it is at."""
     rows = 2 * max(round(ROOT_BRICK_SHARE * (lattice.flank.shape[1] // 2)), 1) + 1
@@ -247,8 +244,7 @@ def stress_functionals(lattice: ToothLattice, material: Material) -> tuple[csc_a
     """Stress components around the loaded side's fillet as functionals (3 n, 6 q), and the q lengthwise fractions."""
     from scipy.sparse import csc_array
 
-    nu = material.poisson_ratio
-    shear = material.shear_modulus
+    nu, shear = material.poisson_ratio, material.shear_modulus
     first = 2.0 * shear * nu / (1.0 - 2.0 * nu)
     points, _ = gauss_rule(2)
     depth = abs(points[0, 0])
@@ -288,6 +284,5 @@ def by_station(stress: Array, station: Array) -> StressResponse:
     """Stresses (6 q, k) by unit forces, put in the order of their lengthwise fractions (q)."""
     levels, which = np.unique(np.round(station, 9), return_inverse=True)
     order = np.argsort(which, kind="stable")
-    return StressResponse(
-        levels, stress.reshape(station.size, 6, -1)[order].reshape(levels.size, -1, 6, stress.shape[1])
-    )
+    in_order = stress.reshape(station.size, 6, -1)[order]
+    return StressResponse(levels, in_order.reshape(levels.size, -1, 6, stress.shape[1]))

@@ -170,14 +170,10 @@ def sector_of(lattice: ToothLattice, teeth: int) -> tuple[Array, Integers, Integ
         layers = np.concatenate([side[None], numbers])[:: int(sense)]  # across the body, from the loaded side
         windows = np.lib.stride_tricks.sliding_window_view(layers, (3, 3, 3))[::2, ::2, ::2].reshape(-1, 3, 3, 3)
         along = np.swapaxes(windows, 1, 2)  # the first index runs along the face
-        cells.append(along if _right_way_round(lattice) else along[:, ::-1])
+        from_toe = np.any(lattice.cells[0][0] == lattice.body[0, 0, 0])  # as the lattice's own bricks count
+        cells.append(along if from_toe else along[:, ::-1])
         held_nodes += [numbers[:, :, 0].ravel(), numbers[-1].ravel()]
     return np.concatenate(nodes), np.concatenate(cells), np.unique(np.concatenate(held_nodes))
-
-
-def _right_way_round(lattice: ToothLattice) -> bool:
-    """True if the bricks of a lattice count from toe to heel."""
-    return bool(np.any(lattice.cells[0][0] == lattice.body[0, 0, 0]))
 
 
 def modes_of(ring: RingCompliance, single: Array, areas: Array, count: int) -> dict[str, Array]:
