@@ -76,10 +76,8 @@ class BendingSlopes:
                 changed = self._amplitude_change(member, selection, force[rows])
                 whitened = slice(0, member.own)
                 held_amplitude = np.concatenate([amplitude[whitened], np.zeros(amplitude.size - member.own)])
-                result[rows] += (
-                    self._moved(member, selection, held_amplitude)
-                    + member.loads[selection, whitened] @ changed[whitened]
-                )
+                moved = self._moved(member, selection, held_amplitude)
+                result[rows] += moved + member.loads[selection, whitened] @ changed[whitened]
                 by_force.append((amplitude[member.own :], changed[member.own :]))
             on_bodies.append(by_force)
         if coupling is not None:
@@ -151,21 +149,16 @@ def _spread(on_lines: LineSegments, directions: FieldDirections, segments: Segme
 
 def _ends(on_lines: LineSegments, directions: FieldDirections, segments: SegmentSlopes) -> tuple[Array, Array]:
     """Unit loads (n, k) of the free ends of both members, and their derivatives (j, n, k)."""
-    points, moved, weights = segments.points, segments.motion, on_lines.quadrature[1]
-    loads = end_loads_at(LoadedPlaces(directions.base, *points), on_lines.teeth) @ weights
+    weights = on_lines.quadrature[1]
+    loads = end_loads_at(LoadedPlaces(directions.base, *segments.points), on_lines.teeth) @ weights
     slopes = np.zeros((segments.steps.size, *loads.T.shape))
+
+    def moved(j: int, step: float) -> Array:
+        points = (one + step * way[..., j] for one, way in zip(segments.points, segments.motion, strict=True))
+        return end_loads_at(LoadedPlaces(directions.moved(j, step), *points), on_lines.teeth)
+
     for j, step in enumerate(END_STEP_SHARE * segments.steps):
-        ahead, behind = (
-            end_loads_at(
-                LoadedPlaces(
-                    directions.moved(j, sign * step),
-                    *(one + sign * step * motion[..., j] for one, motion in zip(points, moved, strict=True)),
-                ),
-                on_lines.teeth,
-            )
-            for sign in (1.0, -1.0)
-        )
-        slopes[j] = ((ahead - behind) @ weights).T / (2.0 * step)
+        slopes[j] = ((moved(j, step) - moved(j, -step)) @ weights).T / (2.0 * step)
     return loads.T, slopes
 
 
@@ -183,9 +176,7 @@ def _nodes_motion(
     """Derivatives of the direction (j, 3), the first node (j) [mm] and the spacing (j) [mm] of a spread deflection."""
     turned, shifted, wider = np.zeros((steps.size, 3)), np.zeros(steps.size), np.zeros(steps.size)
     for j, step in enumerate(steps):
-        ahead, behind = (
-            SpreadDeflection.of(directions.moved(j, sign * step), member, material) for sign in (1.0, -1.0)
-        )
+        ahead, behind = (SpreadDeflection.of(directions.moved(j, way), member, material) for way in (step, -step))
         if ahead.nodes.size != behind.nodes.size:
             continue  # as many nodes as fit: between two numbers of them, where they stand plays no part
         turned[j] = (ahead.direction - behind.direction) / (2.0 * step)

@@ -61,9 +61,8 @@ def unloaded_contact_ratio(
 
 def loaded_contact_ratio(at_torque: xr.Dataset, limits: Array) -> float:
     """Contact ratio at one torque, with roll limits (2) in steps of the mesh cycle; NaN if not certified throughout."""
-    order = ("mesh_position", "segment")
     names = ("tooth", "separation", "lever_arm")
-    tooth, separation, arm = (ordered(at_torque, name, *order) for name in names)
+    tooth, separation, arm = (ordered(at_torque, name, "mesh_position", "segment") for name in names)
     turned = 1e-6 * ordered(at_torque, "transmission_error", "mesh_position")
     pairs = ordered(at_torque, "pair", "pair")
     if not np.all(ordered(at_torque, "status", "mesh_position") == Status.CERTIFIED):

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from ...core.arrays import Array, record
+from ...core.arrays import Array, Integers, record
 from ...core.attributes import labelled, ordered
 from ...core.errors import InputError
 from ...geometry.pair.field_slopes import field_slopes
@@ -90,22 +90,19 @@ def case_slopes(
             raise InputError("cases: must be those of rigid supports to have derivatives")
         rows = slopes.rows(case)
         known = np.flatnonzero(rows >= 0)  # edges without load have no part in the derivatives
-        derivatives = {name: _among(values[rows[known]], known, rows.size) for name, values in slopes.slopes.items()}
-        bent = _among(bending(segments.pair[known], rows[known], force[known]), known, rows.size)
-        pinion, gear = (
-            np.stack([_among(values[rows[known]], known, rows.size) for values in one]) for one in slopes.places
-        )
+        derivatives = {name: _among(values, rows) for name, values in slopes.slopes.items()}
+        pinion, gear = (np.stack([_among(values, rows) for values in one]) for one in slopes.places)
         sizes = _sizes(segments.line_contact, derivatives)
+        bent = np.zeros(pinion.shape[1:])
+        bent[known] = bending(segments.pair[known], rows[known], force[known])
         bent = bent + sum(softer[name][:, None] * change for name, change in sizes.items())
         result.append(_case(case, derivatives | sizes, bent, (pinion, gear), torque_slope))
     return result
 
 
-def _among(values: Array, rows: Array, count: int) -> Array:
-    """Values (m, j) at some rows of ``count``, zero at the others."""
-    every = np.zeros((count, values.shape[1]))
-    every[rows] = values
-    return every
+def _among(values: Array, rows: Integers) -> Array:
+    """Values (n, j) of given rows (s) among all (m, j), zero for a row of -1."""
+    return np.where(rows[:, None] >= 0, values[rows], 0.0)
 
 
 def _case(
@@ -179,9 +176,8 @@ def load_spot_slopes(
         moved = force[:, None] * one.place
         by_centre[:, at] += away @ one.force + moved.sum(axis=1)
         # About the centre, whose own motion does not count to first order.
-        by_square[:, at] += (away**2 - extent[:, at, None] ** 2) @ one.force + 2.0 * np.einsum(
-            "xn,xnj->xj", away, moved
-        )
+        farther = away**2 - extent[:, at, None] ** 2
+        by_square[:, at] += farther @ one.force + 2.0 * np.einsum("xn,xnj->xj", away, moved)
     with np.errstate(divide="ignore", invalid="ignore"):
         by_centre = by_centre / whole[:, None]
         by_extent = 0.5 * by_square / (whole[:, None] * extent[..., None])
@@ -195,16 +191,8 @@ def load_spot_slopes(
 
 #: Variables of the loaded contact that are differentiated.
 OF_LOAD = (
-    "transmission_error",
-    "mean_level",
-    "peak_to_peak",
-    "harmonic",
-    "rms",
-    "load_share",
-    "edge_share",
-    "force",
-    "pressure",
-    "max_pressure",
+    *("transmission_error", "mean_level", "peak_to_peak", "harmonic", "rms"),
+    *("load_share", "edge_share", "force", "pressure", "max_pressure"),
 )
 
 
@@ -262,7 +250,7 @@ def root_stress_slopes(
     slopes = np.full((*history.shape, count), np.nan)
     for one in found:
         segments, force = one.case.segments, one.case.solution.force
-        at = one.case.torque, slice(None), one.case.mesh_position
+        of_case = one.case.torque, slice(None), one.case.mesh_position
         column = np.searchsorted(pairs, segments.pair)
         places = (segments.pinion_point, one.pinion_place), (segments.point, one.place)
         for member, (tooth, place) in enumerate(zip(teeth, places, strict=True)):
@@ -275,12 +263,12 @@ def root_stress_slopes(
             gradient = tooth.root.gradients(on_nodes)
             response = np.sum(shares * gradient[nodes, column[:, None]], axis=1)
             by_segment = response[:, None] * one.force
-            for axis in (0, 1):
-                ahead, behind = (_responses(grid, points, axis, sign, gradient, column) for sign in (1.0, -1.0))
+            for axis, step in enumerate(POINT_STEP * np.eye(2)[:, :, None]):
+                ahead, behind = (_responses(grid, at, gradient, column) for at in (points + step, points - step))
                 by_segment += ((ahead - behind) / (2.0 * POINT_STEP) * force)[:, None] * motion[axis]
             change = np.zeros((pairs.size, count))
             np.add.at(change, column, by_segment)
-            slopes[at][member] = change
+            slopes[of_case][member] = change
     flat, by_setting = (
         np.moveaxis(values, 1, 0).reshape(len(MEMBERS), len(history), -1, *rest)
         for values, rest in ((history, ()), (slopes, (count,)))
@@ -293,13 +281,9 @@ def root_stress_slopes(
     }
 
 
-def _responses(
-    grid: tuple[Array, Array], points: Array, axis: int, sign: float, gradient: Array, column: Array
-) -> Array:
-    """Stress (n) under unit forces at points moved along one fraction by a step."""
-    moved = points.copy()
-    moved[axis] += sign * POINT_STEP
-    nodes, shares = spread_shares(*grid, moved)
+def _responses(grid: tuple[Array, Array], points: Array, gradient: Array, column: Array) -> Array:
+    """Stress (n) under unit forces at points."""
+    nodes, shares = spread_shares(*grid, points)
     return np.asarray(np.sum(shares * gradient[nodes, column[:, None]], axis=1))
 
 

@@ -148,17 +148,13 @@ def loaded_parts(lines: Sequence[Line]) -> list[Line | None]:
 def falls_to_zero(last: Array, before: Array) -> Array:
     """Distance (...) from the last value to the end of a pressure, in steps, at most one; from the two last values."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        falling = np.where(
-            np.isfinite(before), np.clip(last**2 / (before**2 - last**2), END_DISTANCE_MINIMUM, 1.0), 0.5
-        )
-    return np.where(before <= last, 1.0, falling)
+        falling = np.clip(last**2 / (before**2 - last**2), END_DISTANCE_MINIMUM, 1.0)
+    return np.where(before <= last, 1.0, np.where(np.isfinite(before), falling, 0.5))
 
 
 def surface(steps: dict[int, list[Line]]) -> PressureMap:
     """Triangles between the loaded parts of the contact lines (by step) of neighbouring steps."""
-    points: list[Array] = []
-    pressure: list[Array] = []
-    triangles: list[Integers] = []
+    points, pressure, triangles = [np.zeros((2, 0))], [np.zeros(0)], [np.zeros((0, 3), dtype=np.int64)]
     pairs: list[tuple[Line, int, Line, int]] = []
     count = 0
 
@@ -190,9 +186,7 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
                 size = part.pressure.size
                 i = start + np.arange(size - 1)
                 triangles.append(np.stack([i, i + 1, np.full(size - 1, add(tip))], axis=1))
-    if not points:
-        return PressureMap(np.zeros((2, 0)), np.zeros(0), np.zeros((0, 3), dtype=np.int64))
-    corners = np.concatenate([*_strips(pairs), *triangles]) if pairs or triangles else np.zeros((0, 3), dtype=np.int64)
+    corners = np.concatenate([*_strips(pairs), *triangles])
     return PressureMap(np.concatenate(points, axis=1), np.concatenate(pressure), corners)
 
 
@@ -233,12 +227,9 @@ def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[Integers]:
     places, others = np.concatenate(u), np.concatenate(v)
     of_first, of_second = np.concatenate(i), np.concatenate(j)
     begin, other_begin = (np.cumsum([0, *(one.size for one in each[:-1])]) for each in (u, v))
-    next_one, next_other = (
-        np.delete(np.arange(all_.size), at) for all_, at in ((places, begin), (others, other_begin))
-    )
-    before = np.maximum(
-        np.searchsorted(others, places[next_one], side="left") - 1, np.repeat(other_begin, [one.size - 1 for one in u])
-    )
+    next_one, next_other = (np.delete(np.arange(one.size), at) for one, at in ((places, begin), (others, other_begin)))
+    first_other = np.repeat(other_begin, [one.size - 1 for one in u])
+    before = np.maximum(np.searchsorted(others, places[next_one], side="left") - 1, first_other)
     before_other = np.searchsorted(places, others[next_other], side="right") - 1
     return [
         np.stack([of_first[next_one - 1], of_first[next_one], of_second[before]], axis=1),
@@ -321,9 +312,8 @@ def _margins(splines: FlankSplines, point: Array) -> Array:
 
 def at_line_end(loaded: xr.Dataset) -> Bools:
     """True for segments among the outer ones of a contact line, or at the border of the gear flank."""
-    pressure, tooth, length, lengthwise, profile = (
-        ordered(loaded, name, *OVER) for name in ("pressure", "tooth", "length", "lengthwise", "profile")
-    )
+    names = ("pressure", "tooth", "length", "lengthwise", "profile")
+    pressure, tooth, length, lengthwise, profile = (ordered(loaded, name, *OVER) for name in names)
     on_line = np.isfinite(pressure)
     before, after = _beside_on_line(on_line, tooth, length)
     with np.errstate(invalid="ignore"):

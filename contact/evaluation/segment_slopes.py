@@ -82,15 +82,8 @@ def unloaded_numbers(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, A
 
 #: What contact depends on.
 FIELDS = (
-    "roll_angle",
-    "ease_off_angle",
-    "lever_arm",
-    *BOUNDARY_FIELDS,
-    *SEPARATION_FIELDS,
-    "position",
-    "depth_pinion",
-    "depth_gear",
-    *PASSING_FIELDS,
+    *("roll_angle", "ease_off_angle", "lever_arm", *BOUNDARY_FIELDS, *SEPARATION_FIELDS),
+    *("position", *DEPTHS, *PASSING_FIELDS),
 )
 BEND_STEP = 1e-4  # of the greatest change of curvature and skew, in a difference of their bounded forms
 
@@ -110,12 +103,9 @@ class FieldDirections:
         by_curvature, by_skew = slopes["separation_curvature"], slopes["separation_skew"]
         sizes = [np.nanmax(np.abs(d) / (0.1 + np.abs(v))) for v, d in ((curvature, by_curvature), (skew, by_skew))]
         step = BEND_STEP / max(*sizes, 1e-300)
-        ahead, behind = (
-            bend_and_slope(curvature + sign * step * by_curvature, skew + sign * step * by_skew) for sign in (1.0, -1.0)
-        )
-        given = dict(slopes) | {
-            name: (a - b) / (2.0 * step) for name, a, b in zip(SEPARATION_FIELDS, ahead, behind, strict=True)
-        }
+        ahead, behind = (bend_and_slope(curvature + d * by_curvature, skew + d * by_skew) for d in (step, -step))
+        bends = zip(SEPARATION_FIELDS, ahead, behind, strict=True)
+        given = dict(slopes) | {name: (a - b) / (2.0 * step) for name, a, b in bends}
         splines = fit(fields.lengthwise, fields.profile, {name: given[name] for name in FIELDS})
         if not np.array_equal(splines.holes, fields.holes):
             raise GeometryError(
@@ -125,10 +115,9 @@ class FieldDirections:
 
     def moved(self, setting: int, step: float) -> FlankSplines:
         """The fields after a step of one setting, to first order."""
-        change = self.slopes.spline.coefficients.reshape(-1, self.count, *self.base.spline.coefficients.shape[1:])
-        spline = TensorSpline(self.base.spline.intervals, self.base.spline.coefficients + step * change[:, setting])
-        base = self.base
-        return FlankSplines(spline, base.columns, base.holes, base.lengthwise, base.profile)
+        base = self.base.spline
+        change = self.slopes.spline.coefficients.reshape(-1, self.count, *base.coefficients.shape[1:])[:, setting]
+        return replace(self.base, spline=TensorSpline(base.intervals, base.coefficients + step * change))
 
 
 def on_member(directions: FieldDirections, member: str, points: Array, motion: Array) -> tuple[Array, Array]:
@@ -150,8 +139,7 @@ def _part(fields: FlankSplines) -> FlankSplines:
         components, shape = fields.columns[name]
         numbers.append(np.arange(components.start, components.stop))
         columns[name] = (slice(start, start := start + components.stop - components.start), shape)
-    spline = fields.spline.part(np.concatenate(numbers))
-    return FlankSplines(spline, columns, fields.holes, fields.lengthwise, fields.profile)
+    return replace(fields, spline=fields.spline.part(np.concatenate(numbers)), columns=columns)
 
 
 END_TOLERANCE = 1e-6  # fraction of the flank, or mm, within which a line's end lies on the boundary
@@ -175,11 +163,9 @@ def line_motion(directions: FieldDirections, mesh: MeshLines) -> LineMotion:
     across = cramers_rule(metric[:2], metric[1:], roll)
     across = across / np.sum(roll * across, axis=0)  # a unit of roll angle across the line
     along = np.stack([-roll[1], roll[0]])
-    along = along / np.sqrt(
-        metric[0] * along[0] ** 2 + 2.0 * metric[1] * along[0] * along[1] + metric[2] * along[1] ** 2
-    )
-    forwards = np.sign(np.sum(np.gradient(points, axis=-1) * along, axis=0))
-    along = along * forwards  # a millimetre along the line
+    squared = metric[0] * along[0] ** 2 + 2.0 * metric[1] * along[0] * along[1] + metric[2] * along[1] ** 2
+    along = along / np.sqrt(squared)
+    along = along * np.sign(np.sum(np.gradient(points, axis=-1) * along, axis=0))  # a millimetre along the line
     change = directions.slopes.evaluate(["roll_angle", "position"], points)
     turned, shifted = np.moveaxis(change["roll_angle"], 0, -1), np.moveaxis(change["position"], 1, -1)
     moved = -across[..., None] * turned[None]
@@ -257,10 +243,8 @@ class EdgePieces:
 
 
 def _keys(case: LoadedCase) -> Integers:
-    segments = case.segments
-    return np.stack(
-        [np.full(segments.pair.size, case.mesh_position), segments.pair, segments.edge, segments.element], axis=1
-    )
+    segments, position = case.segments, np.full(case.segments.pair.size, case.mesh_position)
+    return np.stack([position, segments.pair, segments.edge, segments.element], axis=1)
 
 
 @dataclass(frozen=True)
@@ -280,19 +264,28 @@ class SegmentSlopes:
     ) -> SegmentSlopes:
         """Derivatives of segments that move with their lines, which with ``pieces`` of edges go up to these."""
         known = pieces or EdgePieces(np.zeros((0, 4), dtype=np.int64))
-        moving_segments = segments if pieces is None else segments.to_edges
-        reference = _loaded(segments, moving_segments, known)
+        moving, mesh = segments if pieces is None else segments.to_edges, segments.on_lines.lines
+        reference, rotations = _loaded(segments, moving, known), line_rotations(moving.on_lines.lines)
+
+        def moved(setting: int, step: float) -> dict[str, Array]:
+            """Segments and pieces of edges after a step of one setting; NaN if they are not the same lines."""
+            fields, points = directions.moved(setting, step), mesh.lines.points + step * motion.points[..., setting]
+            lines = ContactLines(mesh.lines.level, points, mesh.lines.length + step * motion.length[:, setting])
+            on_lines = replace(segments.on_lines, fields=fields, lines=replace(mesh, lines=lines))
+            traced = replace(segments, fields=fields, on_lines=on_lines)
+            own = traced.to_edges if moving.cut else traced
+            if np.array_equal(rotations, line_rotations(own.on_lines.lines)):
+                return _loaded(traced, own, known, segments.edges)
+            return {name: np.nan * value for name, value in reference.items()}
+
         steps = STEP / np.maximum(_sizes(directions), np.max(np.abs(motion.points), axis=(0, 1, 2)))
         columns = []
         for j, step in enumerate(steps):
-            ahead, behind = (
-                _moved(segments, moving_segments, directions, motion, known, j, sign * step) for sign in (1.0, -1.0)
-            )
+            ahead, behind = moved(j, step), moved(j, -step)
             columns.append({name: 0.5 / step * (ahead[name] - behind[name]) for name in reference})
         slopes = {name: np.stack([one[name] for one in columns], axis=-1) for name in reference}
         pinion, gear = (slopes.pop(member) for member in MEMBERS)
-        points = reference["pinion"], reference["gear"]
-        return cls(moving_segments, known, slopes, points, (pinion, gear), steps)
+        return cls(moving, known, slopes, (reference["pinion"], reference["gear"]), (pinion, gear), steps)
 
     @property
     def places(self) -> tuple[Array, Array]:
@@ -332,31 +325,6 @@ def _loaded(
     for member, one in zip(MEMBERS, there, strict=True):
         on_edges[member] = np.repeat(one[..., None], weights.size, axis=-1)
     return {name: np.concatenate([value, on_edges[name]], axis=int(name in MEMBERS)) for name, value in values.items()}
-
-
-def _moved(
-    segments: CycleSegments,
-    own: CycleSegments,
-    directions: FieldDirections,
-    motion: LineMotion,
-    pieces: EdgePieces,
-    setting: int,
-    step: float,
-) -> dict[str, Array]:
-    """Segments and pieces of edges after a step of one setting; NaN if they are not the same lines."""
-    fields, mesh = directions.moved(setting, step), segments.on_lines.lines
-    lines = ContactLines(
-        mesh.lines.level,
-        mesh.lines.points + step * motion.points[..., setting],
-        mesh.lines.length + step * motion.length[:, setting],
-    )
-    on_lines = replace(segments.on_lines, fields=fields, lines=replace(mesh, lines=lines))
-    traced = replace(segments, fields=fields, on_lines=on_lines)
-    moved = traced.to_edges if own.cut else traced
-    known, moved_rotations = line_rotations(own.on_lines.lines), line_rotations(moved.on_lines.lines)
-    if np.array_equal(known, moved_rotations):
-        return _loaded(traced, moved, pieces, segments.edges)
-    return {name: np.nan * value for name, value in _loaded(segments, own, pieces).items()}
 
 
 def _sizes(directions: FieldDirections) -> Array:

@@ -89,9 +89,8 @@ def unloaded_curves(unloaded: xr.Dataset) -> tuple[ToothPassage, Array, Array]:
 
     An older result has no envelope between the mesh positions: there it is that of the curves drawn.
     """
-    course = tooth_passage(
-        unloaded["pair"].values, unloaded["transmission_error"].transpose("pair", "mesh_position").values
-    )
+    table = unloaded["transmission_error"].transpose("pair", "mesh_position").values
+    course = tooth_passage(unloaded["pair"].values, table)
     if "fine_envelope" in unloaded:
         return course, *two_cycles(unloaded["fine_envelope"].values)
     times = np.arange(CYCLES * STEP_POINT_COUNT * course.per_cycle + 1) / (STEP_POINT_COUNT * course.per_cycle)
@@ -170,8 +169,7 @@ class CarryingError:
         if not self.is_known:
             return lambda steps: np.full(np.shape(steps), np.nan)
         known = np.isfinite(self.passage.values)
-        single = MonotoneCubic(self.passage.steps[known], self.passage.values[known])
-        return single
+        return MonotoneCubic(self.passage.steps[known], self.passage.values[known])
 
     @cached_property
     def _cycle(self) -> tuple[Array, Array]:
