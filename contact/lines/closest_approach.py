@@ -118,9 +118,7 @@ def across_line(splines: FlankSplines, points: Array) -> AcrossLine:
     by_roll = ease_slope / slope
     curvature, skew = curvature_and_skew(*(value[name] for name in SEPARATION_FIELDS))
     return AcrossLine(
-        roll_angle=value["roll_angle"],
-        ease_off_angle=value["ease_off_angle"],
-        lever_arm=value["lever_arm"],
+        **{name: value[name] for name in ("roll_angle", "ease_off_angle", "lever_arm")},
         direction=across,
         metric=np.stack(metric),
         gradient=np.stack(gradient),
@@ -229,9 +227,8 @@ class OppositePoints:
 
     def after(self, left: Array) -> Array:
         """Fractions (2, ..., n) when the pinion is ``left`` (..., n) [rad] beyond conjugate contact."""
-        first, rate, second = (
-            np.reshape(v, (2, *[1] * (left.ndim - 1), -1)) for v in (self.fractions, self.rate, self.acceleration)
-        )
+        shape = (2, *[1] * (left.ndim - 1), -1)
+        first, rate, second = (np.reshape(v, shape) for v in (self.fractions, self.rate, self.acceleration))
         return np.asarray(first + rate * left + 0.5 * second * left**2)
 
 

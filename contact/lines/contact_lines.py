@@ -8,7 +8,7 @@ in the ease-off's slope and makes the method agree with conventional contact ana
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import contourpy
 import numpy as np
@@ -86,13 +86,11 @@ def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 
     target = np.broadcast_to(level, shape[1:]).ravel()
     active: Integers | slice = slice(None)
     for _ in range(steps):
-        active_points = moved[:, active]
-        value, *by_fraction = (
-            d["roll_angle"] for d in splines.derivatives(["roll_angle"], active_points, VALUE_AND_SLOPES)
-        )
+        at = moved[:, active]
+        value, *by_fraction = (d["roll_angle"] for d in splines.derivatives(["roll_angle"], at, VALUE_AND_SLOPES))
         slope = np.stack(by_fraction)
         step = (target[active] - value) * slope / (slope[0] ** 2 + slope[1] ** 2)
-        free = active_points + step
+        free = at + step
         there = np.clip(free, -beyond, 1.0 + beyond)
         moved = np.array(moved)
         moved[:, active] = there
@@ -104,7 +102,7 @@ def onto_level(splines: FlankSplines, points: Array, level: Array, steps: int = 
     return moved.reshape(shape)
 
 
-def resampled(polylines: list[Array], count: int) -> Array:
+def resampled(polylines: Sequence[Array], count: int) -> Array:
     """Points (2, m, count) evenly spaced along each of m polylines (k, 2), k of every one its own."""
     sizes = np.array([len(one) for one in polylines])
     points, first = np.concatenate(polylines), np.cumsum(sizes) - sizes
@@ -159,13 +157,10 @@ def trace(splines: FlankSplines, levels: Array) -> ContactLines:
     coarse_t, coarse_h = np.linspace(0, 1, 41), np.linspace(0, 1, 25)
     grid = np.stack(np.meshgrid(coarse_t, coarse_h, indexing="ij"))
     generator = contourpy.contour_generator(coarse_t, coarse_h, splines("roll_angle", grid).T)
-    index, raw = [], []
-    for i, level in enumerate(levels):
-        for piece in generator.lines(float(level)):
-            index.append(i)
-            raw.append(np.asarray(piece))
-    if not raw:
+    pieces = [(i, np.asarray(piece)) for i, level in enumerate(levels) for piece in generator.lines(float(level))]
+    if not pieces:
         return ContactLines(np.zeros(0, dtype=np.int64), np.zeros((2, 0, POINTS_PER_LINE)), np.zeros(0))
+    index, raw = zip(*pieces, strict=True)
     points = resampled(raw, POINTS_PER_LINE)
     kept = np.sum(np.hypot(*np.diff(points, axis=2)), axis=1) > LENGTH_RATIO_LIMIT
     return _clip(splines, np.asarray(levels), np.array(index)[kept], points[:, kept])
@@ -226,9 +221,8 @@ def _crossing(splines: FlankSplines, level: Array, points: Array, rows: Integers
     cut = inside != outside
 
     def distance(parameter: Array) -> Array:
-        sample = onto_level(
-            splines, between_points(points, rows[cut], parameter[:, None]), level[rows[cut]][:, None], steps=1
-        )
+        place = between_points(points, rows[cut], parameter[:, None])
+        sample = onto_level(splines, place, level[rows[cut]][:, None], steps=1)
         return boundary_distance(splines, sample)[:, 0]
 
     if np.any(cut):

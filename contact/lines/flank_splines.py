@@ -12,6 +12,7 @@ from ...core.errors import InputError
 from .tensor_spline import TensorSpline
 
 SPLINE_DEGREE = 5
+Orders = Sequence[tuple[int, int]]  # of derivatives by the two fractions
 SLOPES = [(1, 0), (0, 1)]  # orders of derivatives, for ``FlankSplines.derivatives``
 VALUE_AND_SLOPES = [(0, 0), *SLOPES]
 BENDS = [(2, 0), (1, 1), (0, 2)]
@@ -36,9 +37,7 @@ class FlankSplines:
         """Evaluate several fields at once; see ``__call__``."""
         return self.derivatives(names, points, [derivative])[0]
 
-    def derivatives(
-        self, names: Sequence[str], points: Array, orders: Sequence[tuple[int, int]]
-    ) -> list[dict[str, Array]]:
+    def derivatives(self, names: Sequence[str], points: Array, orders: Orders) -> list[dict[str, Array]]:
         """Values (*field shape, ...) by name of several fields, for several derivatives by both fractions."""
         shape = np.shape(points)[1:]
         derivatives = self._part(tuple(names)).evaluate(np.reshape(points, (2, -1)), orders)
@@ -62,10 +61,8 @@ class FlankSplines:
     def _part(self, names: tuple[str, ...]) -> TensorSpline:
         """Spline of some of the fields alone, made once."""
         if names not in self._parts:
-            components = [self.columns[name][0] for name in names]
-            self._parts[names] = self.spline.part(
-                np.concatenate([np.arange(one.start, one.stop) for one in components])
-            )
+            components = [np.arange(one.start, one.stop) for one in (self.columns[name][0] for name in names)]
+            self._parts[names] = self.spline.part(np.concatenate(components))
         return self._parts[names]
 
     def in_hole(self, points: Array) -> Bools:
@@ -103,8 +100,6 @@ def fit(lengthwise: Array, profile: Array, fields: Mapping[str, Array]) -> Flank
     columns, start = {}, 0
     for name, value in fields.items():
         shape_of_field = np.shape(value)[2:]
-        count = int(np.prod(shape_of_field, dtype=int))
-        columns[name] = (slice(start, start + count), shape_of_field)
-        start += count
+        columns[name] = (slice(start, start := start + int(np.prod(shape_of_field, dtype=int))), shape_of_field)
     holes = missing[:-1, :-1] | missing[1:, :-1] | missing[:-1, 1:] | missing[1:, 1:]
     return FlankSplines(spline, columns, holes, np.asarray(lengthwise), np.asarray(profile))

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.arrays import Array, Bools
-from .closest_approach import EXTRAPOLATION_LIMIT, SEARCH_RADIUS_LIMIT, AcrossLine, OppositePoints, across_line
+from .closest_approach import EXTRAPOLATION_LIMIT, SEARCH_RADIUS_LIMIT, OppositePoints, across_line
 from .contact_lines import (
     LENGTH_RATIO_LIMIT,
     POINTS_PER_LINE,
@@ -41,9 +41,8 @@ def lines_to_edges(splines: FlankSplines, mesh: MeshLines) -> MeshLines:
     at = first[rows, None] + (last - first)[rows, None] * span
     curves = onto_level(splines, between_points(points, rows, at), rotation[rows], beyond=EXTRAPOLATION_LIMIT)
     length = arc_length(splines, curves)
-    curves = onto_level(
-        splines, evenly_spaced(curves, length, POINTS_PER_LINE), rotation[rows], steps=2, beyond=EXTRAPOLATION_LIMIT
-    )
+    spaced = evenly_spaced(curves, length, POINTS_PER_LINE)
+    curves = onto_level(splines, spaced, rotation[rows], steps=2, beyond=EXTRAPOLATION_LIMIT)
     kept = length[:, -1] > LENGTH_RATIO_LIMIT * lines.length.max()
     chosen = rows[kept]
     ended = ContactLines(lines.level[chosen], curves[:, kept], length[kept, -1])
@@ -102,13 +101,9 @@ def _margin(splines: FlankSplines, points: Array, rotation: Array) -> Array:
     # Where there is no such step to a closest approach the flank's own boundary ends the line, as it was traced.
     outside = np.any((points < 0.0) | (points > 1.0), axis=0)
     boundary_margin = np.where(outside, -1.0, boundary_distance(splines, np.clip(points, 0.0, 1.0)))
-    within = np.where(_steps(expansion, way), within, boundary_margin)
+    steps = (expansion.stiffness > 0.0) & (np.max(np.abs(way), axis=0) <= SEARCH_RADIUS_LIMIT)
+    within = np.where(steps, within, boundary_margin)
     return np.where(np.any(np.abs(points - 0.5) >= 0.5 + EXTRAPOLATION_LIMIT, axis=0), -1.0, within)
-
-
-def _steps(here: AcrossLine, way: Array) -> Bools:
-    """True where the gap opens across the line and its closest approach is near."""
-    return np.asarray((here.stiffness > 0.0) & (np.max(np.abs(way), axis=0) <= SEARCH_RADIUS_LIMIT))
 
 
 def _inside(margin: Array) -> tuple[Array, Array, Bools]:

@@ -69,9 +69,8 @@ def edges_in_mesh(
 def flank_edges(splines: FlankSplines, near: Sequence[FlankEdge] | None = None) -> tuple[FlankEdge, ...]:
     """Toe, heel and tip of both members; those of the pinion are found sooner from the edges of a similar pair."""
     along = np.linspace(0.0, 1.0, ELEMENTS_PER_EDGE + 1)
-    nodes = np.stack(
-        [[along, np.full(along.size, value)][:: 1 if fraction else -1] for fraction, value in EDGES], axis=1
-    )
+    each = [[along, np.full(along.size, value)][:: 1 if fraction else -1] for fraction, value in EDGES]
+    nodes = np.stack(each, axis=1)
     of_gear = nodes.reshape(2, -1)
     start = None if near is None else np.concatenate([edge.points for edge in near if edge.of_pinion], axis=1)
     points = np.concatenate([of_gear, conjugate_points(splines, of_gear, start)], axis=1)
@@ -149,18 +148,9 @@ def _pieces(splines: FlankSplines, rotations: Array, parts: _TouchingParts) -> E
     gap, curvature = expansion.gap(left), expansion.curvature
     with np.errstate(divide="ignore", invalid="ignore"):
         overhang = np.abs(expansion.gap_slope(left)) * expansion.lever_arm / curvature
-    return EdgeElements(
-        level=np.arange(rotations.size),
-        points=points,
-        separation_angle=gap,
-        lever_arm=expansion.lever_arm,
-        length=parts.share * expansion.length_along(way),
-        curvature=curvature,
-        overhang=overhang,
-        still_opens=expansion.still_opens(left),
-        edge=parts.edge,
-        element=parts.element,
-    )
+    level, length = np.arange(rotations.size), parts.share * expansion.length_along(way)
+    rest = length, curvature, overhang, expansion.still_opens(left), parts.edge, parts.element
+    return EdgeElements(level, points, gap, expansion.lever_arm, *rest)
 
 
 @dataclass(frozen=True)

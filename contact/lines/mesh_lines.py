@@ -72,10 +72,8 @@ class MeshLines:
         chosen = np.flatnonzero(self.position == position)
         every = self.lines
         lines = ContactLines(every.level[chosen], every.points[:, chosen], every.length[chosen])
-        positions = np.zeros(chosen.size, dtype=np.int64)
-        return MeshLines(
-            self.rotations[position : position + 1], lines, positions, self.pair[chosen], self.pinion_pitch
-        )
+        number = np.zeros(chosen.size, dtype=np.int64)
+        return MeshLines(self.rotations[position : position + 1], lines, number, self.pair[chosen], self.pinion_pitch)
 
 
 def lines_in_mesh(splines: FlankSplines, pinion_pitch: float, mesh_positions: int = 32) -> MeshLines:

@@ -41,9 +41,8 @@ class MonotoneCubic:
         rise = np.diff(self.values)[index]
         u = (at - self.places[index]) / width
         start, end = slopes[index] * width, slopes[index + 1] * width
-        cubic = self.values[index] + u * (
-            start + u * ((3.0 * rise - 2.0 * start - end) + u * (start + end - 2.0 * rise))
-        )
+        bend = (3.0 * rise - 2.0 * start - end) + u * (start + end - 2.0 * rise)
+        cubic = self.values[index] + u * (start + u * bend)
         return np.where((at >= self.places[0]) & (at <= self.places[-1]), cubic, np.nan)
 
 

@@ -8,7 +8,7 @@ on the turned flanks finds the minimum within the bounds.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import combinations
 from typing import Any
 
@@ -56,14 +56,11 @@ class TouchingPoints:
     @classmethod
     def joined(cls, parts: Sequence[TouchingPoints]) -> TouchingPoints:
         """Several, one after the other."""
-        names = ("gap", "points", "parameters", "part", "bound")
-        return cls(*(np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in names))
+        return cls(*(np.concatenate([getattr(part, each.name) for part in parts], axis=-1) for each in fields(cls)))
 
     def at(self, index: NDArray[Any]) -> TouchingPoints:
         """Those at an index (m)."""
-        return TouchingPoints(
-            self.gap[index], self.points[:, index], self.parameters[:, index], self.part[index], self.bound[index]
-        )
+        return TouchingPoints(*(getattr(self, each.name)[..., index] for each in fields(self)))
 
 
 def touching_points(flanks: TurnedFlanks, rotations: Array) -> TouchingPoints:
@@ -195,9 +192,8 @@ def _nearer_to_edges(flanks: TurnedFlanks, found: TouchingPoints, rotations: Arr
     kept, step = columns[short], step[:, short]
     found.gap[kept] = (turned_gap.gap + promised)[short]
     found.points[:, kept] += step
-    found.parameters[:, kept] = turned_gap.parameters[:, short] + np.einsum(
-        "kin,in->kn", turned_gap.following[..., short], step
-    )
+    following = np.einsum("kin,in->kn", turned_gap.following[..., short], step)
+    found.parameters[:, kept] = turned_gap.parameters[:, short] + following
     return found
 
 
@@ -242,19 +238,15 @@ def _bounded_step(here: TurnedGap, damping: Array) -> tuple[Array, Array]:
         push = np.sum(along * (slope[:, None] + _times(bend[:, :, None], foot)), axis=0)
         on_bounds = foot - along * push / np.sum(along * _times(bend[:, :, None], along), axis=0)
         corners = -cramers_rule(across[0, _BOUND_PAIRS], across[1, _BOUND_PAIRS], margin[_BOUND_PAIRS])
-        steps = np.concatenate(
-            [-cramers_rule(bend[:, 0], bend[:, 1], slope)[:, None], on_bounds, corners], axis=1
-        )  # (2, candidates, n)
+        inside = -cramers_rule(bend[:, 0], bend[:, 1], slope)
+        steps = np.concatenate([inside[:, None], on_bounds, corners], axis=1)  # (2, candidates, n)
         beyond = -np.min(margin[:, None] + np.einsum("kin,icn->kcn", normal, steps), axis=0)
         model = np.einsum("in,icn->cn", slope, steps) + 0.5 * np.einsum("icn,ijn,jcn->cn", steps, bend, steps)
         allowed = beyond <= BOUND_TOLERANCE
-        choice = np.where(
-            np.any(allowed, axis=0),
-            np.argmin(np.where(allowed, model, np.inf), axis=0),
-            np.argmin(np.where(np.isfinite(beyond), beyond, np.inf), axis=0),
-        )
-    step, promised = steps[:, choice, columns], model[choice, columns]
-    return step, promised
+        lowest = np.argmin(np.where(allowed, model, np.inf), axis=0)
+        least_beyond = np.argmin(np.where(np.isfinite(beyond), beyond, np.inf), axis=0)
+        choice = np.where(np.any(allowed, axis=0), lowest, least_beyond)
+    return steps[:, choice, columns], model[choice, columns]
 
 
 def _convex(bend: Array, ratio: Array) -> Array:

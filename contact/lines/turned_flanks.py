@@ -112,8 +112,8 @@ def circles_met(
     if rotations.size > COLUMNS_PER_BLOCK:  # of which each has a rotation of its own
         parts = _blocks(rotations.size)
         blocks = [circles_met(exact, surface, parameters[:, i], rotations[i], place[:, i]) for i in parts]
-        names = [one.name for one in fields(CirclesMet)]
-        return CirclesMet(*(np.concatenate([getattr(met, name) for met in blocks], axis=-1) for name in names))
+        joined = (np.concatenate([getattr(met, one.name) for met in blocks], axis=-1) for one in fields(CirclesMet))
+        return CirclesMet(*joined)
     motion, section = exact.motion, exact.pinion_section
     turned = rotations + motion.center
 
@@ -252,15 +252,12 @@ class TurnedFlanks:
             for name, values in (("ease_off_angle", exact.angle), ("roll_angle", exact.roll_angle))
         )
         middle = np.nanmedian(np.arctan2(known.position[1], known.position[0]))
-        splines = []
+        splines, depth = [], _depth(geometry.pair.gear)
         for part in self.continued:
             x, y = part.position[:2]
             azimuth = np.mod(np.arctan2(y, x) - middle + np.pi, 2.0 * np.pi) - np.pi + middle
-            values = (
-                put_in - exact.motion.pinion_sense * azimuth,
-                later,
-                part.blade_distance / _depth(geometry.pair.gear),
-            )
+            closing, blade = put_in - exact.motion.pinion_sense * azimuth, part.blade_distance / depth
+            values = closing, later, blade
             grid = {name: np.reshape(v, geometry.nodes) for name, v in zip(_OWN_FIELDS, values, strict=True)}
             splines.append(fit(members.lengthwise, members.profile, grid))
         return tuple(splines)
@@ -282,7 +279,8 @@ class TurnedFlanks:
         value, by_t, by_h, by_tt, by_th, by_hh = taken
         slopes = {name: np.array([by_t[name], by_h[name]]) for name in _OWN_FIELDS}
         place, along, twist = self._circles(points)
-        every = self._met(parameters, rotations - value["later"], place)
+        near = zip(self.parts[0], np.split(parameters, len(self.parts[0])), strict=True)
+        every = [circles_met(self.geometry.exact, *one, rotations - value["later"], place) for one in near]
         met = every[0] if len(every) == 1 else _of_parts(every, of_pinion)
 
         mixed = np.sum(met.slope * twist, axis=0) + by_th["closing"]
@@ -313,9 +311,9 @@ class TurnedFlanks:
         """Parameters (2 p, n) of the points opposite, by one step of Newton's method; arguments as of ``at``."""
         place, of_gear = self._circles(points)[0], part // len(self.parts[0])
         later = pick([spline("later", points) for spline in self.own], of_gear)
-        motion, near = self.geometry.exact.motion, np.split(parameters, len(self.parts[0]))
-        each = zip(self.parts[0], near, strict=True)
-        return np.concatenate([nearer_parameters(motion, *one, rotations - later, place) for one in each])
+        motion = self.geometry.exact.motion
+        near = zip(self.parts[0], np.split(parameters, len(self.parts[0])), strict=True)
+        return np.concatenate([nearer_parameters(motion, *one, rotations - later, place) for one in near])
 
     def in_hole(self, points: Array, part: NDArray[np.int8]) -> Bools:
         """True where points (2, n) lie in a cell of the gear's grid with a node without a value."""
@@ -330,11 +328,6 @@ class TurnedFlanks:
         twist = heel_tip - heel_root - toe_tip + toe_root
         return self.geometry.pair.gear.section.points(t, h), np.array([by_t, by_h]).swapaxes(0, 1), twist[:, None]
 
-    def _met(self, parameters: Array, rotations: Array, place: Array) -> list[CirclesMet]:
-        near = np.split(parameters, len(self.parts[0]))
-        exact = self.geometry.exact
-        return [circles_met(exact, *one, rotations, place) for one in zip(self.parts[0], near, strict=True)]
-
 
 def _of_parts(every: list[CirclesMet], part: NDArray[np.int8]) -> CirclesMet:
     """Of what was met on every part, that on the part of an index (n)."""
@@ -347,26 +340,22 @@ def _picked(values: tuple[dict[str, Array], ...], part: NDArray[np.int8]) -> dic
 
 def _gear_cuts(parts: tuple[Flank, ...], each: list[list[dict[str, Array]]], depth: float) -> FlankCuts:
     """Cuts of the parts of the gear, from the values and derivatives of their splines."""
-    value, by_t, by_h = (
-        {name: np.stack([spline[k][name] for spline in each]) for name in _OWN_FIELDS} for k in range(3)
-    )
+    value, by_t, by_h = ({name: np.stack([one[k][name] for one in each]) for name in _OWN_FIELDS} for k in range(3))
     slope = {name: np.stack([by_t[name], by_h[name]], axis=1) for name in _OWN_FIELDS}
     ends = _ends([part.surface for part in parts], depth)
     known = np.ones(value["blade"].shape, dtype=bool)
     return FlankCuts(value["closing"], slope["closing"], value["blade"], slope["blade"], *ends, known)
 
 
-def _pinion_cuts(
-    parts: tuple[GeneratingSurface, ...], every: list[CirclesMet], along: Array, depth: float
-) -> FlankCuts:
+def _pinion_cuts(parts: tuple[GeneratingSurface, ...], each: list[CirclesMet], along: Array, depth: float) -> FlankCuts:
     """Cuts of the parts of the pinion, from where they are met."""
-    azimuth = np.stack([met.azimuth for met in every])
+    azimuth = np.stack([met.azimuth for met in each])
     azimuth = azimuth[0] + np.mod(azimuth - azimuth[0] + np.pi, 2.0 * np.pi) - np.pi
-    slopes = [_chain(np.stack([met.slope, met.bound_slopes[2] / depth]), along) for met in every]
+    slopes = [_chain(np.stack([met.slope, met.bound_slopes[2] / depth]), along) for met in each]
     with np.errstate(invalid="ignore"):
-        known = np.isfinite(azimuth) & (np.stack([met.miss for met in every]) < MISS_LIMIT)
-    coordinate = np.stack([met.bounds[2] for met in every]) / depth
-    depth_slope, coordinate_slope = (np.stack(each) for each in zip(*slopes, strict=True))
+        known = np.isfinite(azimuth) & (np.stack([met.miss for met in each]) < MISS_LIMIT)
+    coordinate = np.stack([met.bounds[2] for met in each]) / depth
+    depth_slope, coordinate_slope = (np.stack(parts_slopes) for parts_slopes in zip(*slopes, strict=True))
     return FlankCuts(azimuth, depth_slope, coordinate, coordinate_slope, *_ends(parts, depth), known)
 
 
