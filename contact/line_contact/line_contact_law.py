@@ -34,17 +34,14 @@ def solve_at_torques(
     """Solutions at rising torques (t) [N mm], each from the one before; the torque of the problems is of no account."""
     solver = chosen_solver(solver)
     at_torques = [[one.with_torque(torque) for one in bendings] for torque in torques.tolist()]
-    known: list[list[_Found | None]] | None = None
+    known: list[list[_Found | None]] = [[None] * len(at_torques)] * len(bendings)
     if solver.is_native and not options:
         by_problem = zip(*at_torques, strict=True)
         known = [_compiled_answers(series, contact) for series, contact in zip(by_problem, contacts, strict=True)]
     starts: list[Array | None] = [None] * len(bendings)
     for number, problems in enumerate(at_torques):
-        if known is None:
-            solved = list(solve_line_contacts(problems, contacts, starts, solver, **options))
-        else:
-            solutions = [answers[number] for answers in known]
-            solved = list(_completed(problems, contacts, starts, solutions, solver))
+        found = [answers[number] for answers in known]
+        solved = list(_completed(problems, contacts, starts, found, solver, **options))
         starts = [solution.force if solution.certified else None for solution, _ in solved]
         yield solved
 

@@ -141,14 +141,12 @@ class ContinuedPath:
     failure: str = ""
 
 
-def solved_at(
-    bending: ContactProblem, line_contact: LineContact, torque: float, start: Array | None
-) -> ContactSolution:
+def solved_at(bending: ContactProblem, local: LineContact, torque: float, start: Array | None) -> ContactSolution:
     """Return the solution at a torque [N mm], from forces near it (n) [N] if they are known."""
     problem = bending.with_torque(torque)
-    if isinstance(line_contact, WeberLineContact) and problem.is_structured and torque > 0.0:
-        return next(solve_line_contacts([problem], [line_contact], [start]))[0]
-    return solve_on_bending(problem, line_contact, initial_force=start)[0]
+    if isinstance(local, WeberLineContact) and problem.is_structured and torque > 0.0:
+        return next(solve_line_contacts([problem], [local], [start]))[0]
+    return solve_on_bending(problem, local, initial_force=start)[0]
 
 
 def continue_path(
@@ -430,10 +428,5 @@ def line_contact_path(
     first, last = path_ends(start, end)
     number("tolerance", tolerance, least=1e-12, most=0.1)
     path = continue_path(bending, line_contact, min(first, last), max(first, last), tolerance)
-    return LineContactPath(
-        **path_fields(first, last, path.changes, path.failure),
-        bending=bending,
-        line_contact=line_contact,
-        tolerance=tolerance,
-        _nodes=tuple(path.nodes),
-    )
+    found, nodes = path_fields(first, last, path.changes, path.failure), tuple(path.nodes)
+    return LineContactPath(**found, bending=bending, line_contact=line_contact, tolerance=tolerance, _nodes=nodes)

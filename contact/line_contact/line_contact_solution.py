@@ -236,10 +236,8 @@ def solve_on_bending(
     name = solver.name
     uniform = np.full(bending.size, bending.torque / float(np.maximum(bending.lever_arm, 0.0).sum()))
     start = _warm_start(initial_force, bending)
-    warm = start is not None
-    start = uniform if start is None else start
     try:
-        linear = bending.with_added_compliance(line_contact.secant(start))
+        linear = bending.with_added_compliance(line_contact.secant(uniform if start is None else start))
     except InputError as error:
         return _failed(bending, Status.INVALID_DATA, name, f"line contact: {error}"), bending
     idle = bending.torque == 0.0 and bending.separation_at_first_contact.min() >= 0.0
@@ -248,7 +246,7 @@ def solve_on_bending(
 
     step = NativeStep(linear, bending, settings) if solver.is_native else BackendStep(bending, solver, polish, settings)
     iteration = NewtonIteration(bending, linear.scaling, line_contact, step)
-    status = iteration.run(start if warm else None, linear)
+    status = iteration.run(start, linear)
     if status is not None:
         return _failed(bending, status, name, iteration.message, iteration.count), linear
     force, method, count = iteration.force, step.method, iteration.count
