@@ -126,10 +126,8 @@ def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, trust_
     # In units of the trust radius, all numbers are of order one.
     step, worst, violation = cvxpy.Variable(coefficients.size), cvxpy.Variable(), cvxpy.Variable(nonneg=True)
     moved = goal.surface @ step
-    conditions = [
-        cvxpy.abs(moved) <= 1.0,
-        cvxpy.abs(goal.surface @ coefficients / trust_radius + moved) <= goal.largest / trust_radius,
-    ]
+    present = goal.surface @ coefficients / trust_radius
+    conditions = [cvxpy.abs(moved) <= 1.0, cvxpy.abs(present + moved) <= goal.largest / trust_radius]
     torques = goal.reference.size
     for cycle in range(1 + loads.cycle.max()):
         segments = loads.cycle == cycle
@@ -138,9 +136,8 @@ def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, trust_
         ends = segments & loads.at_end
         if np.isfinite(limit):
             excess = (loads.line_load[ends] - limit) / reference
-            conditions.append(
-                excess + trust_radius / reference * loads.line_load_slope[ends] @ step <= violation - LIMIT_MARGIN
-            )
+            rise = trust_radius / reference * loads.line_load_slope[ends] @ step
+            conditions.append(excess + rise <= violation - LIMIT_MARGIN)
         if np.isfinite(goal.transmission_error):
             now = loads.rotation_cycle == cycle
             level = (loads.rotation[now] - loads.rotation[now].mean()) / goal.transmission_error

@@ -61,12 +61,12 @@ def stacked(parts: Sequence[LoadResponse]) -> LoadResponse:
 
 def load_response(
     compliance: ComplianceMatrix,
-    lever_arm: Array,
     force: Array,
     gap: Array,
     rotation: float,
     separation: Array,
     *,
+    lever_arm: Array,
     length: Array,
     curvature: Array,
     at_end: Bools,

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
 from ...core.arrays import Array, record
 from ...geometry.pair.modification import Modification, basis, modified_ease_off
 from ..mesh_cycle import MeshCycle
-from ..problem.compliance_matrix import ComplianceMatrix, ModalCompliance
+from ..problem.compliance_matrix import ModalCompliance
 from ..segments import Segments
 from ..solvers import Status
 from .load_response import LoadResponse, held_in_contact, load_response, stacked
@@ -57,10 +58,10 @@ class ModifiedContact:
         parts = []
         for case in cases:
             segments, solution = case.segments, case.solution
-            outcome = solution.force, solution.gap, solution.rotation
-            local, slope = segments.line_contact.tangent(solution.force), slopes[case.mesh_position]
+            compliance = ModalCompliance(segments.line_contact.tangent(solution.force), segments.bending)
+            outcome = solution.force, solution.gap, solution.rotation, slopes[case.mesh_position]
             number = case.torque if cycles is None else cycles[case.torque]
-            parts.append(self._linear(segments, ModalCompliance(local, segments.bending), outcome, slope, number))
+            parts.append(load_response(compliance, *outcome, **self._segments(segments), cycle=number))
         return stacked(parts)
 
     def held(self, coefficients: Array, cycles: Sequence[int] | None = None) -> LoadResponse:
@@ -74,9 +75,9 @@ class ModifiedContact:
                 even = torque / float(segments.lever_arm @ segments.length) * segments.length
                 compliance = ModalCompliance(segments.line_contact.secant(even), segments.bending)
                 force, rotation = held_in_contact(compliance, segments.separation, segments.lever_arm, torque)
-                outcome = force, np.zeros(force.size), rotation
+                outcome = force, np.zeros(force.size), rotation, slope
                 number = index if cycles is None else cycles[index]
-                parts.append(self._linear(segments, compliance, outcome, slope, number, held=True))
+                parts.append(load_response(compliance, *outcome, **self._segments(segments), cycle=number, held=True))
         return stacked(parts)
 
     def _modified(self, coefficients: Array) -> tuple[MeshCycle, list[Array]]:
@@ -85,26 +86,9 @@ class ModifiedContact:
         modified = self.cycle.with_ease_off(ease_off)
         return modified, separation_slopes(modified, self.names)
 
-    def _linear(
-        self,
-        here: Segments,
-        compliance: ComplianceMatrix,
-        outcome: tuple[Array, Array, float],
-        slope: Array,
-        cycle: int,
-        *,
-        held: bool = False,
-    ) -> LoadResponse:
+    def _segments(self, here: Segments) -> dict[str, Any]:
+        """Lever arms and line contact of segments, as ``load_response`` takes them."""
         count = self.cycle.segments_per_line
         number = np.arange(here.length.size) % count
-        return load_response(
-            compliance,
-            here.lever_arm,
-            *outcome,
-            slope,
-            length=here.length,
-            curvature=1.0 / here.equivalent_radius,
-            at_end=(number == 0) | (number == count - 1),
-            cycle=cycle,
-            held=held,
-        )
+        at_end, curvature = (number == 0) | (number == count - 1), 1.0 / here.equivalent_radius
+        return {"lever_arm": here.lever_arm, "length": here.length, "curvature": curvature, "at_end": at_end}

@@ -61,11 +61,11 @@ class Bed:
                 parts.append(
                     load_response(
                         DenseCompliance(self.compliance[k]),
-                        self.lever_arm[k],
                         force,
                         gap,
                         rotation,
                         self.basis[k],
+                        lever_arm=self.lever_arm[k],
                         length=self.length,
                         curvature=self.curvature,
                         at_end=ends,
