@@ -69,18 +69,10 @@ class Sizes(NamedTuple):
         if least < 0.0:
             magnitude = np.abs(force)
         root = np.sqrt(problem.compliance_matrix.diagonal)
-        return cls(
-            magnitude,
-            arm,
-            least,
-            float(magnitude.max()),
-            float(magnitude.sum()),
-            float(magnitude @ arm),
-            float(magnitude @ np.abs(deflection)),
-            float(magnitude @ separation),
-            float(magnitude @ root),
-            float(root.max()),
-        )
+        largest, total, greatest_root = float(magnitude.max()), float(magnitude.sum()), float(root.max())
+        factors = (arm, np.abs(deflection), separation, root)
+        moment, strain, preload, roots = (float(magnitude @ factor) for factor in factors)
+        return cls(magnitude, arm, least, largest, total, moment, strain, preload, roots, greatest_root)
 
 
 class Residuals(NamedTuple):
@@ -123,14 +115,10 @@ def rounded_residuals(
     else:
         gap_error = terms * sizes.roots * sizes.root + of_arm * float(sizes.lever_arm.max()) + UNDERFLOW
     turned, rounding = elastic_rotation * problem.torque, (size + 4) * UNIT_ROUNDOFF
-    return Residuals(
-        gap,
-        gap_error,
-        float(force @ problem.lever_arm) - problem.torque,
-        rounding * sizes.moment,
-        float(force @ deflection) + float(force @ contact.separation) - turned,
-        sizes.total * gap_error + rounding * (sizes.strain + sizes.preload + abs(turned)),
-    )
+    imbalance = float(force @ problem.lever_arm) - problem.torque
+    surplus = float(force @ deflection) + float(force @ contact.separation) - turned
+    surplus_error = sizes.total * gap_error + rounding * (sizes.strain + sizes.preload + abs(turned))
+    return Residuals(gap, gap_error, imbalance, rounding * sizes.moment, surplus, surplus_error)
 
 
 def _term_sizes(matrix: ComplianceMatrix, magnitude: Array) -> Array:
@@ -153,8 +141,8 @@ def exact_residuals(problem: ContactProblem, force: Array, elastic_rotation: flo
     # F'C F + S'F - theta T = F'Y + theta (r'F - T), the gaps being rounded already.
     of_gaps, of_balance = math.fsum(dot_terms(force, gap)), elastic_rotation * imbalance
     rounding = float(np.abs(force) @ bound) + 4.0 * UNIT_ROUNDOFF * (abs(of_gaps) + abs(of_balance))
-    largest = float(bound.max())
-    return Residuals(gap, largest, imbalance, UNIT_ROUNDOFF * abs(imbalance), of_gaps + of_balance, rounding)
+    surplus, unbalanced = of_gaps + of_balance, UNIT_ROUNDOFF * abs(imbalance)
+    return Residuals(gap, float(bound.max()), imbalance, unbalanced, surplus, rounding)
 
 
 def exact_gap_error(problem: ContactProblem, gap: Array) -> Array:
@@ -391,7 +379,8 @@ def _relative_to_scales(
     energy_scale = sizes.total * gap_scale + sizes.preload
     if problem.torque > 0.0:
         cancellation = max(cancellation, sizes.moment / problem.torque)
-    shared = np.minimum(_ratio(force, sizes.largest_force), left.gap / gap_scale)
+    share = force / sizes.largest_force if sizes.largest_force > 0.0 else force
+    shared = np.minimum(share, left.gap / gap_scale)
     resolution = left.gap_error / gap_scale
     if sizes.total > 0.0:
         of_balance = _relative(left.imbalance_error, moment_scale)
@@ -427,10 +416,6 @@ def _gap_scale(problem: ContactProblem, sizes: Sizes, turned: float) -> tuple[fl
                 return max(mean, floor), max(terms / mean, 1.0) if mean > 0.0 else math.inf
     largest = float(np.abs(problem.separation_at_first_contact).max())  # no load or no compliance
     return (largest if largest > 0.0 else 1.0), 1.0
-
-
-def _ratio(values: Array, scale: float) -> Array:
-    return values / scale if scale > 0.0 else values
 
 
 def _relative(error: float, scale: float) -> float:

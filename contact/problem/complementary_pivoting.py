@@ -18,9 +18,8 @@ from time import perf_counter
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Bools
+from ...core.arrays import Bools, Integers, RealArray as Array
 
 #: An entry of the entering column below this, relative to the largest, is rounding.
 PIVOT_TOLERANCE = 1e-11
@@ -32,14 +31,12 @@ TIE_TOLERANCE = 1e-12
 class LemkeResult:
     """End of the pivoting, z (n) NaN unless solved; a ray proves no solution if M is positive semidefinite."""
 
-    z: NDArray[np.float64]
+    z: Array
     pivots: int
     ended: Literal["solved", "ray", "pivot limit", "time limit"]
 
 
-def lemke(
-    matrix: NDArray[np.float64], vector: NDArray[np.float64], max_pivots: int = 10_000, time_limit: float = math.inf
-) -> LemkeResult:
+def lemke(matrix: Array, vector: Array, max_pivots: int = 10_000, time_limit: float = math.inf) -> LemkeResult:
     """Solve w = M z + q >= 0, z >= 0, w'z = 0 for M (n, n) and q (n); time limit in [s]."""
     size, start = vector.size, perf_counter()
     if vector.min() >= 0.0:
@@ -67,7 +64,7 @@ def lemke(
     return LemkeResult(np.full(size, np.nan), max_pivots, "pivot limit")
 
 
-def _pivot(tableau: NDArray[np.float64], row: int, column: int) -> None:
+def _pivot(tableau: Array, row: int, column: int) -> None:
     tableau[row] /= tableau[row, column]
     factors = tableau[:, column].copy()
     factors[row] = 0.0
@@ -76,7 +73,7 @@ def _pivot(tableau: NDArray[np.float64], row: int, column: int) -> None:
     tableau[row, column] = 1.0
 
 
-def _leaving_row(tableau: NDArray[np.float64], entering: int, is_artificial: Bools) -> int | None:
+def _leaving_row(tableau: Array, entering: int, is_artificial: Bools) -> int | None:
     """Row of the least ratio, the artificial variable first, then lexicographically; None on a ray."""
     column = tableau[:, entering]
     rows = np.flatnonzero(column > PIVOT_TOLERANCE * max(float(np.abs(column).max()), 1.0))
@@ -88,7 +85,7 @@ def _leaving_row(tableau: NDArray[np.float64], entering: int, is_artificial: Boo
     return _lexicographic_row(tableau, rows, column)
 
 
-def _lexicographic_row(tableau: NDArray[np.float64], rows: NDArray[np.intp], column: NDArray[np.float64]) -> int:
+def _lexicographic_row(tableau: Array, rows: Integers, column: Array) -> int:
     """Of rows with the same ratio, the one whose row of the inverse basis, over its pivot, comes first."""
     for other in range(column.size):
         if rows.size == 1:
@@ -97,14 +94,12 @@ def _lexicographic_row(tableau: NDArray[np.float64], rows: NDArray[np.intp], col
     return int(rows[0])
 
 
-def _least(rows: NDArray[np.intp], ratios: NDArray[np.float64]) -> NDArray[np.intp]:
+def _least(rows: Integers, ratios: Array) -> Integers:
     least = float(ratios.min())
     return rows[ratios <= least + TIE_TOLERANCE * max(abs(least), 1.0)]
 
 
-def _solution(
-    matrix: NDArray[np.float64], vector: NDArray[np.float64], basis: NDArray[np.intp], right: NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _solution(matrix: Array, vector: Array, basis: Integers, right: Array) -> Array:
     """Values of z in the final basis, solved afresh so that the rounding of the pivots is gone."""
     size = vector.size
     columns = np.hstack([np.eye(size), -matrix])[:, basis]

@@ -260,8 +260,7 @@ def _extreme_ritz_values(compliance: OperatorCompliance) -> tuple[float, float]:
     size = compliance.size
     vector = np.random.default_rng(1).standard_normal(size)
     basis = [vector / np.linalg.norm(vector)]
-    diagonal: list[float] = []
-    beside: list[float] = []
+    diagonal, beside = list[float](), list[float]()
     for _ in range(min(LANCZOS_STEPS, size)):
         product = compliance.deflection(basis[-1])
         diagonal.append(float(basis[-1] @ product))
@@ -273,11 +272,8 @@ def _extreme_ritz_values(compliance: OperatorCompliance) -> tuple[float, float]:
             break
         beside.append(length)
         basis.append(product / length)
-    matrix = np.diag(diagonal)
-    if len(diagonal) > 1:
-        inner = beside[: len(diagonal) - 1]
-        matrix += np.diag(inner, 1) + np.diag(inner, -1)
-    values = np.linalg.eigvalsh(matrix)
+    inner = beside[: len(diagonal) - 1]
+    values = np.linalg.eigvalsh(np.diag(diagonal) + np.diag(inner, 1) + np.diag(inner, -1))
     return float(values[0]), float(values[-1])
 
 

@@ -135,9 +135,7 @@ class _Split:
         force = np.where(loaded, given, 0.0)
         # Forces with a positive lever arm are scaled to balance the others and the torque.
         arm = problem.lever_arm
-        driving, resisting = (
-            math.fsum(dot_terms(force[segments], arm[segments])) for segments in (arm > 0.0, arm < 0.0)
-        )
+        driving, resisting = (math.fsum(dot_terms(force[side], arm[side])) for side in (arm > 0.0, arm < 0.0))
         if driving > 0.0:
             force = np.where(arm > 0.0, force * ((problem.torque - resisting) / driving), force)
         elif problem.torque - resisting > 0.0:
@@ -250,12 +248,10 @@ def _is_proved(problem: ContactProblem, support: list[int], near: Array) -> bool
             gain, direction = -gain, [-part for part in direction]
         if min(direction) >= 0:
             return gain < 0
-        steps = {
-            number: near[number] / -float(part) for number, part in zip(support, direction, strict=True) if part < 0
-        }
-        near = near.copy()
-        step = min(steps.values())
-        for number, part in zip(support, direction, strict=True):
+        parts = list(zip(support, direction, strict=True))
+        steps = {number: near[number] / -float(part) for number, part in parts if part < 0}
+        near, step = near.copy(), min(steps.values())
+        for number, part in parts:
             near[number] += step * float(part)
         support = [number for number in support if number != min(steps, key=lambda number: steps[number])]
     return False

@@ -303,13 +303,9 @@ class ContactProblem:
 
     def to_dataset(self) -> xr.Dataset:
         """Return the problem as a Dataset with units, without loss: `from_dataset` gives the identical problem back."""
-        return xr.Dataset(
-            {
-                name: (DIMENSIONS[name], np.array(values), ATTRIBUTES[name])
-                for name, values in problem_numbers(self).items()
-            },
-            attrs={"format": FORMAT, "format_version": FORMAT_VERSION},
-        )
+        numbers = problem_numbers(self).items()
+        variables = {name: (DIMENSIONS[name], np.array(values), ATTRIBUTES[name]) for name, values in numbers}
+        return xr.Dataset(variables, attrs={"format": FORMAT, "format_version": FORMAT_VERSION})
 
     @classmethod
     def from_dataset(cls, dataset: xr.Dataset) -> ContactProblem:

@@ -28,7 +28,6 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.arrays import Bools, Integers, RealArray as Array, record
 from ...core.checks import instance, read_only, whole
@@ -60,7 +59,7 @@ class ModeColumns(NamedTuple):
 
 
 def mode_columns(
-    size: int, blocks: Sequence[tuple[NDArray[np.intp], Array]], columns: Array, mixing: Array, shared_factor: Array
+    size: int, blocks: Sequence[tuple[Integers, Array]], columns: Array, mixing: Array, shared_factor: Array
 ) -> ModeColumns:
     """Arrange modes of n segments: blocks of segments (m) and modes (m, k) [(mm/N)^0.5], and shared modes.
 
@@ -109,7 +108,7 @@ WORTHWHILE_WORK = 0.8
 DIRECTION_TOLERANCE = 1e-15
 
 
-def shared_columns(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArray[np.intp]]]) -> Bools:
+def shared_columns(factor: Array, blocks: Sequence[tuple[Integers, Integers]]) -> Bools:
     """Mask (k) of the columns of V (n, k) that couple groups of rows, if setting them apart saves enough work."""
     shared = np.zeros(factor.shape[1], dtype=np.bool_)
     work, split_work = 0.0, 0.0
@@ -128,7 +127,7 @@ def shared_columns(factor: Array, blocks: Sequence[tuple[NDArray[np.intp], NDArr
     return shared if not count or split_work + count**3 / 3 < WORTHWHILE_WORK * work else np.zeros_like(shared)
 
 
-def part_of(factor: Array, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> Array:
+def part_of(factor: Array, rows: Integers, columns: Integers) -> Array:
     """Some rows and columns of a factor, in ascending order; no copy where they are all in a row."""
     both = [slice(one[0], one[-1] + 1) if one.size and one[-1] - one[0] < one.size else one for one in (rows, columns)]
     return factor[both[0]][:, both[1]]
@@ -244,7 +243,7 @@ class ModalBasis:
     """
 
     size: int
-    index: NDArray[np.intp]
+    index: Integers
     modes: Array
     shared: SharedModes | None = None
 
@@ -308,7 +307,7 @@ class ModalBasis:
         return SharedModes(shared.columns, np.ascontiguousarray(mixing))
 
     @cached_property
-    def blocks(self) -> list[tuple[NDArray[np.intp], Array]]:
+    def blocks(self) -> list[tuple[Integers, Array]]:
         """Segments (m) and own modes (m, k) of each block, without the padding."""
         rows = [index < self.size for index in self.index]
         blocks = zip(self.index, self.modes, rows, strict=True)
@@ -354,7 +353,7 @@ class BendingFactor:
         return self.factor[:, self.is_shared]
 
     @cached_property
-    def compressed(self) -> list[tuple[NDArray[np.intp], Array]]:
+    def compressed(self) -> list[tuple[Integers, Array]]:
         """Rows (m) and U (m, r) [(mm/N)^0.5] of each block, where no columns couple them."""
         return [(rows, compressed_block(part_of(self.factor, rows, columns))) for rows, columns in self.labels.blocks]
 
@@ -401,7 +400,7 @@ def modal_basis(factor: Array) -> ModalBasis:
     return BendingFactor(factor).basis
 
 
-def _shared_modes(factor: Array, rows: Sequence[NDArray[np.intp]]) -> SharedModes:
+def _shared_modes(factor: Array, rows: Sequence[Integers]) -> SharedModes:
     """Shared modes W (n, s) [(mm/N)^0.5] in as few columns as they have directions, in all and within a block."""
     if factor.shape[1] > RIGID_DIRECTIONS:
         factor = compressed_block(factor)
@@ -418,7 +417,7 @@ def _shared_modes(factor: Array, rows: Sequence[NDArray[np.intp]]) -> SharedMode
 
 
 def basis_of_blocks(
-    size: int, rows: Sequence[NDArray[np.intp]], compressed: Sequence[Array], shared: SharedModes | None = None
+    size: int, rows: Sequence[Integers], compressed: Sequence[Array], shared: SharedModes | None = None
 ) -> ModalBasis:
     """Basis of compressed blocks U (m, r) [(mm/N)^0.5] on rows (m), which together have each segment once."""
     longest = max(segments.size for segments in rows)
@@ -443,7 +442,7 @@ class BlockLabels(NamedTuple):
     has_full_rows: bool  # each group has a row without zeros, so that no column couples others
 
     @property
-    def blocks(self) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    def blocks(self) -> list[tuple[Integers, Integers]]:
         """Rows and columns of each group; rows of zeros make one without columns."""
         return [(np.flatnonzero(self.row == b), np.flatnonzero(self.column == b)) for b in range(self.rows.size)]
 

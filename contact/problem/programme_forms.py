@@ -62,9 +62,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ...core.arrays import record
+from ...core.arrays import RealArray as Array, record
 from ...core.checks import instance, truth
 from ...core.errors import InputError
 from .certificate import Answer, require_convex, unscaled, vector_of
@@ -173,7 +173,7 @@ def lifted_programme(problem: ScaledProblem, *, compress: bool) -> qpsolvers.Pro
     )
 
 
-def diagonal_matrix(diagonal: NDArray[np.float64]) -> Any:
+def diagonal_matrix(diagonal: Array) -> Any:
     """Return a diagonal matrix in compressed sparse columns, zeros on the diagonal stored as well."""
     from scipy.sparse import csc_matrix
 
@@ -254,8 +254,7 @@ def dual_qp(problem: ContactProblem) -> DualQP:
     import qpsolvers
     from scipy.sparse import csc_matrix
 
-    scaled = problem.scaled()
-    size = problem.size
+    scaled, size = problem.scaled(), problem.size
     if scaled.modal is None:
         _require_definite(problem)
         hessian = np.zeros((size + 1, size + 1))
@@ -274,15 +273,9 @@ def dual_qp(problem: ContactProblem) -> DualQP:
     inequality[np.arange(size), np.arange(size)] = -diagonal
     inequality[:, size:-1] = -weight * factor
     inequality[:, -1] = scaled.lever_arm
-    return DualQP(
-        qpsolvers.Problem(
-            diagonal_matrix(np.concatenate([diagonal, np.full(modes, weight), [0.0]])),
-            np.append(np.zeros(size + modes), -scaled.torque),
-            G=csc_matrix(inequality),
-            h=scaled.separation,
-        ),
-        problem,
-    )
+    hessian = diagonal_matrix(np.concatenate([diagonal, np.full(modes, weight), [0.0]]))
+    linear = np.append(np.zeros(size + modes), -scaled.torque)
+    return DualQP(qpsolvers.Problem(hessian, linear, G=csc_matrix(inequality), h=scaled.separation), problem)
 
 
 def _require_definite(problem: ContactProblem) -> None:
@@ -321,8 +314,8 @@ class LCP:
     [1000.0, 1000.0]
     """
 
-    matrix: NDArray[np.float64]
-    vector: NDArray[np.float64]
+    matrix: Array
+    vector: Array
     eliminated: int
     problem: ContactProblem
 
@@ -369,12 +362,11 @@ def lcp(problem: ContactProblem) -> LCP:
     return LCP(*eliminated_system(problem.scaled()), problem)
 
 
-def eliminated_system(problem: ScaledProblem) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+def eliminated_system(problem: ScaledProblem) -> tuple[Array, Array, int]:
     """Return M, q and the eliminated segment of a scaled problem."""
     arm, compliance, separation = problem.lever_arm, problem.compliance, problem.separation
     k = first_contact_segment(problem)
-    ratio = arm / arm[k]
-    share = problem.torque / arm[k]
+    ratio, share = arm / arm[k], problem.torque / arm[k]
     column = compliance[:, k] - compliance[k, k] * ratio
     matrix = compliance - np.outer(compliance[:, k], ratio) - np.outer(ratio, column)
     vector = separation - ratio * separation[k] + share * column
@@ -383,16 +375,13 @@ def eliminated_system(problem: ScaledProblem) -> tuple[NDArray[np.float64], NDAr
     return matrix, vector, k
 
 
-def forces_and_rotation(
-    problem: ScaledProblem, k: int, solution: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float]:
+def forces_and_rotation(problem: ScaledProblem, k: int, solution: Array) -> tuple[Array, float]:
     """Return scaled forces and rotation from z."""
     force = solution.copy()
     force[k] = 0.0
     force[k] = (problem.torque - float(problem.lever_arm @ force)) / problem.lever_arm[k]
-    gap = float(solution[k])
-    rotation = (float(problem.compliance[k] @ force) + problem.separation[k] - gap) / problem.lever_arm[k]
-    return force, float(rotation)
+    closed = float(problem.compliance[k] @ force) + problem.separation[k] - float(solution[k])
+    return force, float(closed / problem.lever_arm[k])
 
 
 def first_contact_segment(problem: ScaledProblem) -> int:

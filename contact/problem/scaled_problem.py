@@ -176,9 +176,8 @@ class ScaledProblem:
             from scipy.sparse import csc_matrix
 
             matrix, row = csc_matrix(matrix), csc_matrix(row)
-        return qpsolvers.Problem(
-            matrix, self.separation, A=row, b=np.array([self.torque]), lb=np.zeros(self.separation.size)
-        )
+        right, lower = np.array([self.torque]), np.zeros(self.separation.size)
+        return qpsolvers.Problem(matrix, self.separation, A=row, b=right, lb=lower)
 
 
 #: A row sum of the compliance overstates the stiffness a segment feels, since its neighbours carry less further out.
@@ -244,15 +243,8 @@ class Scaling(Units):
             if SAFE_ENERGY_RANGE[0] < energy < SAFE_ENERGY_RANGE[1]:
                 limit = np.sqrt((2.0 * CLIP_MARGIN**2 * energy) * diagonal)
                 limit += np.maximum(arm, 0.0) * (2.0 * CLIP_MARGIN * energy / torque)
-        return cls(
-            power_of_two(force),
-            unit,
-            power_of_two(float(np.abs(arm).sum()) / size),
-            first,
-            active,
-            limit,
-            separation > limit,
-        )
+        mean_arm = power_of_two(float(np.abs(arm).sum()) / size)
+        return cls(power_of_two(force), unit, mean_arm, first, active, limit, separation > limit)
 
     def scale(
         self, separation: Array, lever_arm: Array, torque: float, compliance: ComplianceMatrix, *, clip: bool = True
@@ -268,12 +260,8 @@ class Scaling(Units):
                 given = ScaledOperator(compliance, self.compliance)
             else:
                 given = compliance.dense * (1.0 / self.compliance)
-            return ScaledProblem(
-                given,
-                separation / self.gap,
-                lever_arm * (1.0 / self.lever_arm),
-                torque / self.lever_arm / self.force,
-            )
+            moment = torque / self.lever_arm / self.force
+            return ScaledProblem(given, separation / self.gap, lever_arm * (1.0 / self.lever_arm), moment)
 
     def unscale(self, force: Array, rotation: float) -> tuple[Array, float]:
         """Return forces [N] and rotation [rad] from their scaled values."""

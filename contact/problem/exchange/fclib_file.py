@@ -167,6 +167,7 @@ def stored_reference(problem: ContactProblem, fields: Mapping[str, Any]) -> Answ
 
 DIRECTIONS = 3  # of a contact that is written
 ENTRY_SIZE = 12  # of a matrix: a number and its row [byte]
+DESCRIPTION = "Contact of gear teeth in mm, N, N mm and rad, written by easeoff: W = C, l = rotation."
 MATH_INFO = "Convex: mu = 0. With W positive definite the solution is unique."
 
 
@@ -199,11 +200,7 @@ def write_fclib(
         vectors["s"] = np.array([problem.torque])
         info = local.create_group("info")
         _text(info, "title", name)
-        _text(
-            info,
-            "description",
-            "Contact of gear teeth in mm, N, N mm and rad, written by easeoff: W = C, l = rotation.",
-        )
+        _text(info, "description", DESCRIPTION)
         _text(info, "math_info", MATH_INFO)
         if isinstance(problem.compliance, tuple):
             group = file.create_group("easeoff")

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.arrays import RealArray as Array
 from ....core.errors import InputError
 from ....core.forked_process import ProcessEndedError, in_forked_process
 from ....core.netcdf_file import unpacked_size_limit
@@ -125,7 +126,7 @@ def _problem(element: Mapping[str, Any]) -> ContactProblem:
     return problem_of_numbers(numbers)
 
 
-def _numbers(value: Any, name: str) -> NDArray[np.float64]:
+def _numbers(value: Any, name: str) -> Array:
     """A field as an array of numbers; a sparse matrix as a full one."""
     array = np.asarray(value.toarray() if hasattr(value, "toarray") else value)
     if array.dtype.kind not in "biuf":

@@ -48,7 +48,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ....core.arrays import Bools, record
+from ....core.arrays import Bools, Integers, record
 from ....core.attributes import units_of
 from ....core.checks import instance, shown
 from ....core.errors import InputError
@@ -175,7 +175,7 @@ def _array(dataset: xr.Dataset, name: str, single: bool) -> NDArray[Any]:
     return array[np.newaxis] if single else array
 
 
-def _counts(values: NDArray[Any], name: str, least: int, most: int) -> NDArray[np.intp]:
+def _counts(values: NDArray[Any], name: str, least: int, most: int) -> Integers:
     """Return whole numbers within limits; InputError otherwise."""
     wrong = ~((values >= least) & (values <= most) & (values == np.floor(values)))
     if wrong.any():
@@ -185,12 +185,12 @@ def _counts(values: NDArray[Any], name: str, least: int, most: int) -> NDArray[n
     return values.astype(np.intp)
 
 
-def _length(present: Bools) -> NDArray[np.intp]:
+def _length(present: Bools) -> Integers:
     """Length of each row up to its last entry that is present; an empty row counts as one, to be refused later."""
     width = present.shape[1]
     if not width:  # no modes
         return np.zeros(present.shape[0], dtype=np.intp)
-    length: NDArray[np.intp] = np.where(present.any(axis=1), width - np.argmax(present[:, ::-1], axis=1), 1)
+    length: Integers = np.where(present.any(axis=1), width - np.argmax(present[:, ::-1], axis=1), 1)
     return length
 
 

@@ -118,14 +118,12 @@ def import_problems(path: str | os.PathLike[str]) -> ProblemSet:
     source = file_path("path", path)
     if not source.is_dir():
         return FORMATS[_suffix(source)].read(source)
-    files = sorted(
-        f for f in source.iterdir() if f.suffix[1:].lower() in FORMATS and FORMATS[f.suffix[1:].lower()].single
-    )
+    suffixes = [f".{name}" for name, kind in FORMATS.items() if kind.single]
+    files = sorted(f for f in source.iterdir() if f.suffix.lower() in suffixes)
     kinds = sorted({f.suffix.lower() for f in files})
     if len(kinds) != 1:
         contents = f"files of {', '.join(kinds)}" if kinds else "none"
-        suffixes = ", ".join(f".{name}" for name, kind in FORMATS.items() if kind.single)
-        raise InputError(f"{source}: must hold files with one of the suffixes {suffixes}; it has {contents}")
+        raise InputError(f"{source}: must hold files with one of the suffixes {', '.join(suffixes)}; it has {contents}")
     read = [FORMATS[kinds[0][1:]].read(file) for file in files]
     return replace(joined(read), labels={"name": np.array([file.stem for file in files])})
 

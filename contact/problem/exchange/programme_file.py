@@ -481,12 +481,8 @@ def _structured(
     factor, seen = np.zeros((len(force), len(amplitude))), set()
     for row, entries in rows.items():
         columns = [c for c in entries if c in amplitude]
-        if (
-            len(columns) != 1
-            or columns[0] in seen
-            or programme.right.get(row, 0.0) != 0.0
-            or programme.linear[columns[0]] != 0.0
-        ):
+        constants = [programme.right.get(row, 0.0), *(programme.linear[c] for c in columns)]
+        if len(columns) != 1 or columns[0] in seen or any(constants):
             raise InputError(f"row {row}: must define one free column, V'F - z = 0")
         seen.add(columns[0])
         mode = amplitude[columns[0]]
