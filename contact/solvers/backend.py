@@ -37,8 +37,7 @@ class NoAnswerError(EaseoffError):
 
     def __init__(self, message: str, suspicion: Status | None = None, *, claim: str | None = None) -> None:
         super().__init__(message)
-        self.suspicion = suspicion
-        self.claim = claim
+        self.suspicion, self.claim = suspicion, claim
 
 
 def solve_scaled(name: str, problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:

@@ -10,9 +10,7 @@ from functools import cache, partial
 from time import perf_counter
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
-
+from ...core.arrays import RealArray as Array
 from ...core.errors import InputError, MissingSolverError
 from ...core.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code, reason_of
 from ..problem.certificate import EXACT_TOLERANCE, of_whole_rotation
@@ -96,6 +94,7 @@ def backend_solution(
         method, what = "dense" if raw else chosen_form(solver, scaled, form), SOLVERS[solver].kind
     else:
         method, what = "dense", ""
+    facts: dict[str, Any] = {"tolerance": tolerance, "method": method}  # of a solution without an answer
     try:
         with foreign_code(limit, silent=declared is None):
             begin = perf_counter()
@@ -129,9 +128,8 @@ def backend_solution(
     except NoAnswerError as error:
         said = Status.SOLVER_FAILED if error.suspicion is None else error.suspicion
         status, claim = said if said in OWN_ENDS else Status.NOT_CERTIFIED, error.claim or said.name.lower()
-        solution = no_solution(
-            problem.size, status, solver, claim=claim, tolerance=tolerance, method=method, words=str(error)
-        )
+        facts |= {"claim": claim, "words": str(error)}
+        solution = no_solution(problem.size, status, solver, **facts)
     except Exception as error:
         foreign = error if isinstance(error, ForeignCodeError) else None
         if own and isinstance(error.__cause__ if foreign else error, TypeError | AttributeError | ValueError):
@@ -139,10 +137,8 @@ def backend_solution(
             raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}{hint}") from error
         late = foreign is not None and foreign.is_time_limit
         status, report = (Status.TIME_LIMIT, None) if late else (Status.SOLVER_FAILED, RAISED)
-        words = str(foreign) if foreign else reason_of(error)
-        solution = no_solution(
-            problem.size, status, solver, claim=report, tolerance=tolerance, method=method, words=words
-        )
+        facts |= {"claim": report, "words": str(foreign) if foreign else reason_of(error)}
+        solution = no_solution(problem.size, status, solver, **facts)
     label = f"{solver} ({what})" if what else solver
     message = course(f"{label}, form {method}", solution, solution.words)
     missed = not solution.certified and math.isfinite(solution.certificate.worst)
@@ -156,7 +152,7 @@ def backend_solution(
 def _as_given(problem: ContactProblem, *, structured: bool) -> ScaledProblem:
     """The problem in mm and N; copies, because some backends cannot take arrays that are read-only."""
     matrix = problem.compliance_matrix
-    given: NDArray[np.float64] | ScaledModes
+    given: Array | ScaledModes
     if structured and isinstance(matrix, ModalCompliance):
         given = ScaledModes(matrix, 1.0)
     else:

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...core.arrays import Integers
 from ..problem.certificate import EXACT_TOLERANCE, Answer, unscaled
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
@@ -75,7 +75,7 @@ def exact_answer(problem: ScaledProblem, answer: ScaledAnswer, exchanges: int = 
     iterations are the linear systems solved.
     """
     modal = ModalProblem.of(problem)
-    solve_set: Callable[[NDArray[np.intp]], ActiveSetPoint | None]
+    solve_set: Callable[[Integers], ActiveSetPoint | None]
     solve_set = partial(solve_active_set, problem) if modal is None else partial(solve_modal_active_set, modal)
     gap = problem.deflection(answer.force) + problem.separation - answer.rotation * problem.lever_arm
     active = answer.force > gap

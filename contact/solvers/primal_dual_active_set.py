@@ -22,9 +22,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ...core.arrays import Bools, RealArray as Array
+from ...core.arrays import Bools, Integers, RealArray as Array
 from ..problem.scaled_problem import ScaledProblem
 from .solution import ScaledAnswer
 from .solver_limits import UNLIMITED, StepBudget
@@ -44,7 +43,7 @@ def primal_dual_active_set(
     budget: StepBudget = UNLIMITED,
     *,
     max_iterations: int | None = None,
-    solve_set: Callable[[NDArray[np.intp]], ActiveSetPoint | None] | None = None,
+    solve_set: Callable[[Integers], ActiveSetPoint | None] | None = None,
 ) -> ScaledAnswer | None:
     """Solve the scaled problem from a starting set (n); None if it did not end.
 
@@ -83,7 +82,7 @@ def primal_dual_active_set(
     return None
 
 
-def _wrong_signs(problem: ScaledProblem, point: ActiveSetPoint, tolerance: float) -> NDArray[np.intp]:
+def _wrong_signs(problem: ScaledProblem, point: ActiveSetPoint, tolerance: float) -> Integers:
     """Segments that pull or penetrate."""
     force, gap = point.force, point.gap
     force_level = tolerance * max(float(force.max()), -float(force.min()))

@@ -10,9 +10,9 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from ...core.arrays import Bools
+from ...core.arrays import Bools, RealArray as Array
 from ...core.checks import array, instance, one_of, shown, truth
 from ...core.errors import InputError, MissingSolverError, how_to_install
 from ..problem.certificate import EXACT_TOLERANCE, NO_CERTIFICATE, unscaled, with_certificate
@@ -194,7 +194,7 @@ class _Request:
     limits: Limits
     polish: bool
     active: Bools | None
-    force: NDArray[np.float64] | None
+    force: Array | None
     form: str
     settings: dict[str, Any]
     start: float
@@ -316,17 +316,12 @@ def _solve_native(request: _Request, scaled: ScaledProblem) -> ContactSolution:
         status, reason = Status.NOT_CONVERGED, "no method had an answer"
     else:
         return best
-    return no_solution(
-        problem.size,
-        status,
-        "native",
-        certificate=NO_CERTIFICATE if best is None else best.certificate,
-        message=f"native: {reason}",
-        tolerance=EXACT_TOLERANCE,
-    )
+    certificate = NO_CERTIFICATE if best is None else best.certificate
+    facts: dict[str, Any] = {"certificate": certificate, "message": f"native: {reason}", "tolerance": EXACT_TOLERANCE}
+    return no_solution(problem.size, status, "native", **facts)
 
 
-def start_force(force: NDArray[np.float64], problem: ContactProblem) -> NDArray[np.float64]:
+def start_force(force: Array, problem: ContactProblem) -> Array:
     """Forces of any size (n) [N] as a start: in balance with the torque, or of the size of the load where none are."""
     start = np.maximum(force, 0.0)
     if not start.max() > 0.0:
@@ -337,7 +332,7 @@ def start_force(force: NDArray[np.float64], problem: ContactProblem) -> NDArray[
     return np.asarray(start * (problem.torque / moment if balanced else problem.scaling.force))
 
 
-def _is_definite(matrix: NDArray[np.float64]) -> bool:
+def _is_definite(matrix: Array) -> bool:
     """True if a positive semidefinite matrix has no eigenvalue that rounding could have made."""
     eigenvalues = np.linalg.eigvalsh(matrix)
     return bool(eigenvalues[0] > matrix.shape[0] * np.finfo(np.float64).eps * eigenvalues[-1])

@@ -11,7 +11,6 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.arrays import Bools, RealArray as Array
 from ...core.errors import InputError
@@ -269,10 +268,10 @@ def course(method: str, solution: ContactSolution, words: str = "") -> str:
 class ScaledAnswer:
     """An answer to a `ScaledProblem`, not yet certified."""
 
-    force: NDArray[np.float64]
+    force: Array
     rotation: float
     iterations: int  # -1 if unknown
     message: str = ""
     suspicion: Status | None = None  # counts only if the certificate refuses
-    gap: NDArray[np.float64] | None = None  # multipliers of the bounds, in the sign of gaps; only for comparison
+    gap: Array | None = None  # multipliers of the bounds, in the sign of gaps; only for comparison
     times: CallTimes | None = None

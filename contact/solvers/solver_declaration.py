@@ -24,7 +24,6 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.arrays import RealArray as Array
 from ...core.checks import instance, number, one_of, shown, truth
@@ -138,8 +137,8 @@ DECLARED_FORMS = {
 class ScaledLCP(NamedTuple):
     """Linear complementarity problem w = M z + q >= 0, z >= 0, w'z = 0, as `lcp` has it, in scaled numbers."""
 
-    matrix: NDArray[np.float64]
-    vector: NDArray[np.float64]
+    matrix: Array
+    vector: Array
     eliminated: int  # segment whose entry of z is its gap
 
 

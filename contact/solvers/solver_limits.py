@@ -66,9 +66,8 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
         ratio = (limits.tolerance / entry.tolerance) ** entry.tolerance_power
         least, most = OWN_TOLERANCE_RANGE
         for key in entry.tolerance_settings:
-            limit_keywords[key] = min(
-                max(keywords[key] * ratio, min(least, keywords[key]), entry.least_tolerance), most
-            )
+            asked = max(keywords[key] * ratio, min(least, keywords[key]), entry.least_tolerance)
+            limit_keywords[key] = min(asked, most)
     for word, setting in (("time_limit", "time_setting"), ("max_iterations", "step_setting")):
         value, key = getattr(limits, word), getattr(entry, setting)
         if value is None:

@@ -50,10 +50,9 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg.lapack import dgetrf, dgetrs, dpocon, dpotrf, dpotri, dpotrs
 
-from ...core.arrays import Bools, RealArray as Array
+from ...core.arrays import Bools, Integers, RealArray as Array
 from ..problem.scaled_problem import ScaledProblem
 
 
@@ -157,7 +156,7 @@ class ActiveSetPoint:
     def __init__(
         self,
         problem: ScaledProblem,
-        index: NDArray[np.intp],
+        index: Integers,
         system: _BorderedSystem | TouchingFactor,
         deflection: Callable[[Array], Array],
         refinements: int = 1,
@@ -190,7 +189,7 @@ class ActiveSetPoint:
         self.gap -= self.rotation * self._problem.lever_arm
 
 
-def solve_active_set(problem: ScaledProblem, index: NDArray[np.intp]) -> ActiveSetPoint | None:
+def solve_active_set(problem: ScaledProblem, index: Integers) -> ActiveSetPoint | None:
     """Solve the system of active segments (a), one of them with a lever arm other than zero.
 
     None where the block has no Cholesky factor even with a shift (C is not positive semidefinite) or overflows.
@@ -326,7 +325,7 @@ class DenseTouching:
         result[self._index] = 0.0
         return np.asarray(result)
 
-    def columns(self, segments: NDArray[np.intp]) -> Array:
+    def columns(self, segments: Integers) -> Array:
         """Return columns of C (n, q)."""
         return self._compliance[:, segments]
 
@@ -341,13 +340,13 @@ class DenseTouching:
         """K^-1 times right-hand sides (1 + a, q)."""
         return self._known @ sides if self._factor is None else self._factor.apply(sides)
 
-    def _changed(self, index: NDArray[np.intp], inverse: Array) -> None:
+    def _changed(self, index: Integers, inverse: Array) -> None:
         self._index, self._known = index, inverse
         self._updates += 1
         if self._updates >= MAX_UPDATES:
             self._make(index)
 
-    def _make(self, index: NDArray[np.intp]) -> bool:
+    def _make(self, index: Integers) -> bool:
         """Factorise a set anew, if it is not singular."""
         block, arm = self._compliance[np.ix_(index, index)], self._arm[index]
         factor = TouchingFactor.of(block, arm)
@@ -423,7 +422,7 @@ class _BorderedSystem:
 
     shifted = False
 
-    def __init__(self, modal: ModalProblem, index: NDArray[np.intp]) -> None:
+    def __init__(self, modal: ModalProblem, index: Integers) -> None:
         rigid = modal.rigid[index]
         self._soft, self._rigid = np.flatnonzero(~rigid), np.flatnonzero(rigid)
         modes, arm, local = modal.modes[index], modal.problem.lever_arm[index], modal.local[index]
@@ -459,7 +458,7 @@ class _BorderedSystem:
         return force, rotation
 
 
-def _block_factor(modal: ModalProblem, index: NDArray[np.intp]) -> TouchingFactor | None:
+def _block_factor(modal: ModalProblem, index: Integers) -> TouchingFactor | None:
     """Cholesky factor of the block C_AA of the active segments, shifted where it is singular to rounding."""
     modes = modal.modes[index]
     block = modes @ modes.T
@@ -467,7 +466,7 @@ def _block_factor(modal: ModalProblem, index: NDArray[np.intp]) -> TouchingFacto
     return TouchingFactor.of(block, modal.problem.lever_arm[index], shift=True)
 
 
-def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> ActiveSetPoint | None:
+def solve_modal_active_set(modal: ModalProblem, index: Integers) -> ActiveSetPoint | None:
     """Solve the system of active segments (a), one of them with a lever arm other than zero.
 
     None where no factor gives a solution, or the block of segments without local compliance is too large.
@@ -485,7 +484,7 @@ def solve_modal_active_set(modal: ModalProblem, index: NDArray[np.intp]) -> Acti
 
 
 def _refined(
-    modal: ModalProblem, index: NDArray[np.intp], system: _BorderedSystem | TouchingFactor, refinements: int
+    modal: ModalProblem, index: Integers, system: _BorderedSystem | TouchingFactor, refinements: int
 ) -> ActiveSetPoint | None:
     def deflection(force: Array) -> Array:
         whole = np.zeros(modal.local.size)

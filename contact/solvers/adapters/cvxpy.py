@@ -28,8 +28,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....core.arrays import Integers, RealArray as Array
 from ...problem.scaled_problem import ScaledProblem
 from ..backend import NoAnswerError
 from ..solution import ScaledAnswer, Status
@@ -46,9 +46,9 @@ class Root:
     """A sparse matrix W with C = W W', entry by entry."""
 
     shape: tuple[int, int]
-    rows: NDArray[np.intp]
-    columns: NDArray[np.intp]
-    values: NDArray[np.float64]
+    rows: Integers
+    columns: Integers
+    values: Array
 
     @property
     def matrix(self) -> Any:
@@ -134,13 +134,8 @@ def parametrised(root: Root, backend: str) -> Iterator[ParametrisedProgramme]:
 #: compliance as it is, but only its root, with which the solver has twice the unknowns.
 LARGEST_DENSE = 90
 
-_SUSPICIONS = {
-    "infeasible": Status.INFEASIBLE,
-    "infeasible_inaccurate": Status.INFEASIBLE,
-    "unbounded": Status.UNBOUNDED,
-    "unbounded_inaccurate": Status.UNBOUNDED,
-    "user_limit": Status.TIME_LIMIT,
-}
+#: Meanings of ends without an answer, by their names without ``_inaccurate``.
+_SUSPICIONS = {"infeasible": Status.INFEASIBLE, "unbounded": Status.UNBOUNDED, "user_limit": Status.TIME_LIMIT}
 
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
@@ -184,7 +179,7 @@ def _solve(programme: Any, backend: str, settings: Mapping[str, Any]) -> ScaledA
         # No warm start: the same problem has the same answer independent of earlier solves.
         programme.solve(solver=backend, warm_start=False, **settings)
     status = str(programme.status)
-    suspicion = _SUSPICIONS.get(status)
+    suspicion = _SUSPICIONS.get(status.removesuffix("_inaccurate"))
     count = programme.solver_stats.num_iters
     if suspicion is Status.TIME_LIMIT and count is not None and count >= settings.get("max_iter", math.inf):
         suspicion = Status.NOT_CONVERGED
@@ -192,11 +187,6 @@ def _solve(programme: Any, backend: str, settings: Mapping[str, Any]) -> ScaledA
     if force.value is None or balance.dual_value is None:
         raise NoAnswerError(status, suspicion or Status.SOLVER_FAILED)
     # The Lagrangian of CVXPY adds +dual (r'F - T): the rotation is its negative.
-    return ScaledAnswer(
-        np.asarray(force.value, dtype=np.float64),
-        -float(np.asarray(balance.dual_value)),
-        -1 if count is None else int(count),
-        status,
-        suspicion,
-        None if bounds.dual_value is None else np.asarray(bounds.dual_value, dtype=np.float64),
-    )
+    rotation, steps = -float(np.asarray(balance.dual_value)), -1 if count is None else int(count)
+    gap = None if bounds.dual_value is None else np.asarray(bounds.dual_value, dtype=np.float64)
+    return ScaledAnswer(np.asarray(force.value, dtype=np.float64), rotation, steps, status, suspicion, gap)

@@ -26,18 +26,10 @@ def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledA
         setattr(parameters, name, value)
     size = problem.separation.size
     force, torque = np.zeros(size), np.array([problem.torque])
-    solver = pyqpmad.Solver()
-    status = solver.solve(
-        force,
-        np.array(problem.compliance, order="F"),  # a copy, which is overwritten
-        problem.separation,
-        np.zeros(size),
-        np.full(size, np.inf),
-        np.asfortranarray(problem.lever_arm[np.newaxis]),
-        torque,
-        torque,
-        parameters,
-    )
+    solver, limits = pyqpmad.Solver(), (np.zeros(size), np.full(size, np.inf))
+    matrix = np.array(problem.compliance, order="F")  # a copy, which is overwritten
+    row = np.asfortranarray(problem.lever_arm[np.newaxis])
+    status = solver.solve(force, matrix, problem.separation, *limits, row, torque, torque, parameters)
     if status != pyqpmad.ReturnStatus.OK:
         raise NoAnswerError(status.name, Status.NOT_CONVERGED)
     bounds = solver.get_inequality_dual()

@@ -362,8 +362,7 @@ class Sensitivity:
         """
         size = self.problem.size
         by_force, by_gap = given("force", force, "", size), given("gap", gap, "", size)
-        by_rotation = float(array("rotation", rotation, ndim=0))
-        by_energy = float(array("energy", energy, ndim=0))
+        by_rotation, by_energy = (float(array(n, v, ndim=0)) for n, v in (("rotation", rotation), ("energy", energy)))
         system = self._smooth if active is None else self._side(active)
         touching, undetermined = system.active, self._undetermined(system)
         if not touching.any() or (undetermined.any() and by_force.any()):
@@ -379,8 +378,7 @@ class Sensitivity:
 
     def _gradient(self, torque: float, separation: Array, energy: float) -> ProblemGradient:
         arm = -self.rotation * separation - torque * self.force
-        one_sided = bool(self.weak.any())
-        return ProblemGradient(torque, separation, arm, one_sided, self.problem, self.force, energy)
+        return ProblemGradient(torque, separation, arm, bool(self.weak.any()), self.problem, self.force, energy)
 
     def _toward(self, closing: Array, moment: float) -> TouchingSystem | None:
         """The system on the side of a kink to which a direction leads."""

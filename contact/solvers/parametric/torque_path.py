@@ -19,7 +19,6 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from ....core.arrays import Bools, Integers, RealArray as Array, record
 from ....core.attributes import labelled
@@ -50,7 +49,7 @@ class PathPiece:
     """A part of the path with one touching set (a), from the torque where it begins."""
 
     torque: float  # [N mm]
-    index: NDArray[np.intp]
+    index: Integers
     force: Array
     force_rate: Array  # by the torque (a) [1/mm]
     rotation: float  # beyond first contact [rad]
@@ -99,7 +98,7 @@ class _Point:
         gap_rates = max(float(np.abs(self.rotation_rate) * turned), yielding)
         self._least_rate = np.where(self.active, force_rates, gap_rates) * SMALLEST_RATE
 
-    def falling(self) -> tuple[NDArray[np.intp], Array]:
+    def falling(self) -> tuple[Integers, Array]:
         """Return the segments whose force or gap falls, and how far off the torque is at which it vanishes."""
         index = np.flatnonzero(self._rate < -self._least_rate)
         return index, np.maximum(self._value[index], 0.0) / -self._rate[index]
@@ -189,7 +188,7 @@ def _first(problem: ContactProblem, torque: float, high: float, path: FollowedPa
     return point
 
 
-def _beyond(problem: ContactProblem, point: _Point, vanishing: NDArray[np.intp], step: float) -> _Point | None:
+def _beyond(problem: ContactProblem, point: _Point, vanishing: Integers, step: float) -> _Point | None:
     """The point at an event, with the set that touches beyond it."""
     torque = point.torque + step
     force, gap = point.force + step * point.force_rate, point.gap + step * point.gap_rate
@@ -348,9 +347,7 @@ class TorquePath(PathOverTorque):
     @property
     def covered(self) -> tuple[float, float]:
         """Least and greatest torque at which the path is known [N mm]; NaN if it is at none."""
-        if not self._pieces:
-            return np.nan, np.nan
-        return self._pieces[0].torque, self._reached
+        return (self._pieces[0].torque, self._reached) if self._pieces else (np.nan, np.nan)
 
     def at(self, torque: float) -> ContactSolution:
         """Return the certified solution at a torque.

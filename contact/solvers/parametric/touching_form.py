@@ -15,9 +15,8 @@ leave on G and r is summed over the blocks, see ``newton_kernel``.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....core.arrays import Bools, RealArray as Array
+from ....core.arrays import Bools, Integers, RealArray as Array
 from ...problem.compliance_matrix import ComplianceMatrix, ModalCompliance
 from ...problem.modal_basis import ModalBasis
 from ..compiled.compiled_answer import SMALLEST_LOCAL_FRACTION
@@ -71,9 +70,8 @@ class ModalTouching:
             force = weight * (there - self._closed(amplitudes, common, rotation))
             loads = self._rows.swapaxes(1, 2) @ force
             left = self._mixed(loads[:, self._rank : -1]) - common
-            change, moved, turn = self._step(
-                loads[:, : self._rank] - amplitudes, left, torque - loads[:, -1].sum(axis=0)
-            )
+            imbalance = torque - loads[:, -1].sum(axis=0)
+            change, moved, turn = self._step(loads[:, : self._rank] - amplitudes, left, imbalance)
             amplitudes, common, rotation = amplitudes + change, common + moved, rotation + turn
         closed = self._closed(amplitudes, common, rotation) - there
         force, gap = np.zeros((2, self._arm.size + 1, count))
@@ -91,7 +89,7 @@ class ModalTouching:
             compliance[self._index] += np.sum((shared @ np.linalg.inv(self._common)) * shared, axis=2)
         return np.where(self._active, 0.0, self._local + compliance[:-1])
 
-    def columns(self, segments: NDArray[np.intp]) -> Array:
+    def columns(self, segments: Integers) -> Array:
         """See `DenseTouching`."""
         wide = np.zeros((self._arm.size + 1, segments.size))
         for number, segment in enumerate(segments):
@@ -218,7 +216,7 @@ def touching_stiffness(local: Array, basis: ModalBasis, lever_arm: Array, active
     return np.nan if known is None else known.moment
 
 
-def part_of(matrix: ComplianceMatrix, segments: NDArray[np.intp]) -> Array | tuple[Array, Array]:
+def part_of(matrix: ComplianceMatrix, segments: Integers) -> Array | tuple[Array, Array]:
     """Return the compliance among some segments [mm/N], in the form of the whole."""
     if isinstance(matrix, ModalCompliance):
         return matrix.local[segments], matrix.factor[segments]

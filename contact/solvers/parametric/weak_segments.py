@@ -13,9 +13,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from ....core.arrays import Bools, RealArray as Array
+from ....core.arrays import Bools, Integers, RealArray as Array
 from ...problem.certificate import Answer
 from ...problem.complementary_pivoting import lemke
 from ...problem.compliance_matrix import ComplianceMatrix
@@ -76,7 +75,7 @@ def system_in_direction(
 
 
 def _with_weak(
-    system: TouchingSystem, lever_arm: Array, segments: NDArray[np.intp], closing: Array, torque: float
+    system: TouchingSystem, lever_arm: Array, segments: Integers, closing: Array, torque: float
 ) -> TouchingSystem | None:
     """Let those of the weak segments enter that carry load."""
     if not segments.size:
@@ -109,7 +108,7 @@ def dependent_segments(matrix: ComplianceMatrix, lever_arm: Array, loaded: Bools
     return result
 
 
-def _yielding(system: TouchingSystem, lever_arm: Array, segments: NDArray[np.intp]) -> tuple[Array, Array]:
+def _yielding(system: TouchingSystem, lever_arm: Array, segments: Integers) -> tuple[Array, Array]:
     """Compliance among some open segments while the touching ones yield (w, w), and the size of its terms (w)."""
     columns = system.columns(segments)
     gap = system.solve(-columns, -lever_arm[segments]).gap[segments]
