@@ -323,9 +323,8 @@ class Shaft:
         acting = [shift[:, components] for shift, components in zip(shifts, taken, strict=True)]
         given = np.concatenate([1.0 / bearing.stiffness[at] for bearing, at in zip(self.bearings, taken, strict=True)])
         rows = np.array([[self._between(a, b) for b in self.bearings] for a in self.bearings])
-        flexibility = np.block(
-            [[a.T @ rows[i, j] @ b for j, b in enumerate(acting)] for i, a in enumerate(acting)]
-        ) + np.diag(given)
+        of_beam = [[a.T @ rows[i, j] @ b for j, b in enumerate(acting)] for i, a in enumerate(acting)]
+        flexibility = np.block(of_beam) + np.diag(given)
         every = np.concatenate(acting, axis=1)[:5]  # without the rotation about the axis
         # Units such that rotations and displacements, moments and forces are alike.
         scale = 1.0 / np.sqrt(flexibility.diagonal())

@@ -167,10 +167,8 @@ def _length(
     blocks = [slice(first, first + 3) for first in range(0, matrix.shape[0], 3)]
     each = [float(np.abs(np.linalg.eigvalsh(matrix[block, block])).max()) for block in blocks]
     sizes, ways = (max(each[::2]), max(each[1::2])), ("translation", "rotation")
-    wanted = " and ".join(
-        f"from {least:g} to {most:g} {unit} against {way}"
-        for (least, most), unit, way in zip(ranges, units, ways, strict=True)
-    )
+    limits = zip(ranges, units, ways, strict=True)
+    wanted = " and ".join(f"from {least:g} to {most:g} {unit} against {way}" for (least, most), unit, way in limits)
     zero = "" if stiff else ", or zero where the support is rigid"
     for size, (least, most) in zip(sizes, ranges, strict=True):
         if size and not least <= size <= most:

@@ -119,13 +119,8 @@ def identified_support(
     compliance = matrix / np.outer(scale, scale)
     values = np.linalg.svd(_symmetric_map(given), compute_uv=False)
     directions = np.linalg.svd(given, compute_uv=False)
-    return IdentifiedSupport(
-        assembly,
-        compliance,
-        rows - (forces @ compliance)[:, :4],
-        int(np.count_nonzero(values > RANK_SHARE * values[0])),
-        int(np.count_nonzero(directions > RANK_SHARE * directions[0])),
-    )
+    ranks = (int(np.count_nonzero(sizes > RANK_SHARE * sizes[0])) for sizes in (values, directions))
+    return IdentifiedSupport(assembly, compliance, rows - (forces @ compliance)[:, :4], *ranks)
 
 
 def _twists(assembly: Assembly, parts: int) -> Array:
@@ -135,13 +130,10 @@ def _twists(assembly: Assembly, parts: int) -> Array:
 
 def _symmetric_basis(parts: int) -> Array:
     """Symmetric matrices (b, p, p) of unit length, one for every entry of a triangle."""
-    basis = []
-    for row in range(parts):
-        for column in range(row, parts):
-            one = np.zeros((parts, parts))
-            one[row, column] = one[column, row] = 1.0 if row == column else np.sqrt(0.5)
-            basis.append(one)
-    return np.array(basis)
+    row, column = np.triu_indices(parts)
+    basis, number = np.zeros((row.size, parts, parts)), np.arange(row.size)
+    basis[number, row, column] = basis[number, column, row] = np.where(row == column, 1.0, np.sqrt(0.5))
+    return basis
 
 
 def _symmetric_map(forces: Array) -> Array:

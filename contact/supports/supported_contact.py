@@ -207,8 +207,7 @@ class SupportedContact:
         coords: dict[str, Any] = {**self._coords, "member": list(MEMBERS), "space": list("xyz")}
         if names := _bearing_names(rounds[0]):
             coords["bearing"] = names
-        reasons = {
-            f"{torque:g} N m: {one.reason}" for torque, one in zip(self.torques, ended, strict=True) if one.reason
-        }
+        by_torque = zip(self.torques, ended, strict=True)
+        reasons = {f"{torque:g} N m: {one.reason}" for torque, one in by_torque if one.reason}
         attributes = {"rounds_not_ended": "; ".join(sorted(reasons))} if reasons else {}
         return labelled(xr.Dataset(data, coords=coords, attrs=attributes))

@@ -175,25 +175,18 @@ class SupportedPair:
         shape = (torques.size, positions)
         wrench, parts, rotation = np.full((*shape, 6), np.nan), np.full((*shape, 6), np.nan), np.full(shape, np.nan)
         if update == "position":
-            each = [self._at(number, absorbed[number]) for number in range(positions)]
-            groups = [([number], cycle) for number, cycle in enumerate(each)]
+            groups = [([number], self._at(number, absorbed[number])) for number in range(positions)]
         else:
             groups = [(list(range(positions)), mean)]
-        segments: list[Segments | None] = []
-        cases: list[LoadedCase] = []
+        segments, cases = list[Segments | None](), list[LoadedCase]()
         in_mean = MeshWrenches.of(mean.geometry)
         for numbers, cycle in groups:
             motion, wrenches = self.motion(cycle), in_mean if cycle is mean else MeshWrenches.of(cycle.geometry)
-            kinds: dict[tuple[Supports, tuple[float, ...]], SupportModes] = {}  # the modes of equal ones are found once
-            modes = [
-                kinds.setdefault(
-                    (supports[k], tuple(absorbed[k])), SupportModes(compliances[supports[k]], motion.twist(absorbed[k]))
-                )
-                for k in numbers
-            ]
-            there, solved = self.solver.cases(
-                replace(cycle.segments, wrenches=wrenches), torques, HeldMembers(modes, wrenches)
-            )
+            keys = [(supports[k], tuple(absorbed[k])) for k in numbers]
+            kinds = {key: SupportModes(compliances[key[0]], motion.twist(np.array(key[1]))) for key in set(keys)}
+            modes = [kinds[key] for key in keys]  # those of equal ones are found once
+            held = HeldMembers(modes, wrenches)
+            there, solved = self.solver.cases(replace(cycle.segments, wrenches=wrenches), torques, held)
             segments += there
             apart = self._first_contact_change(cycle)
             for case in solved:
