@@ -30,6 +30,7 @@ from .segments import CycleSegments, HeldMembers, Segments
 from .solvers import ContactSolution, SolverChoice, Status
 
 EXTREME_ROUNDS = 6
+Peak = tuple[float, float]  # place and value
 WINDOW = 4  # samples on either side of an extreme that its place is estimated from
 PLACES = np.linspace(0.0, 1.0, 1001)[1:-1]  # between two samples, at which the estimate is looked at
 
@@ -49,9 +50,7 @@ def continuous_range(values: Array, at: Callable[[Array], Array], tolerance: flo
     return greatest - least
 
 
-def extremes(
-    values: Array, at: Callable[[Array], Array], tolerance: float
-) -> tuple[tuple[float, float], tuple[float, float]]:
+def extremes(values: Array, at: Callable[[Array], Array], tolerance: float) -> tuple[Peak, Peak]:
     """Place and value of the greatest and of the least value; arguments as of ``continuous_range``."""
     if not np.all(np.isfinite(values)):
         return (np.nan, np.nan), (np.nan, np.nan)
@@ -71,9 +70,8 @@ def extremes(
         if not open_ones:
             break
 
-    def highest(sign: float) -> tuple[float, float]:
-        known = [(w[2][k], w[1][k]) for w in windows if w[0] == sign for k in [np.argmax(w[2])]]
-        value, place = max(known)
+    def highest(sign: float) -> Peak:
+        value, place = max((w[2][k], w[1][k]) for w in windows if w[0] == sign for k in [np.argmax(w[2])])
         return float(np.mod(place, 1.0)), float(sign * value)
 
     return highest(1.0), highest(-1.0)
@@ -88,7 +86,7 @@ def _windows(values: Array) -> list[tuple[Array, Array]]:
     return [(index / values.size, values[index % values.size]) for index in around]
 
 
-def _estimated(places: Array, values: Array) -> tuple[float, float]:
+def _estimated(places: Array, values: Array) -> Peak:
     """Place and value of the peak beside the greatest sample of a function that is the least of smooth ones."""
     middle = int(np.clip(np.argmax(values), 3, values.size - 4))
     tried, heights = [], []
@@ -148,8 +146,7 @@ def loaded_dataset(
     pairs = np.unique(np.concatenate([s.pair for s in segments if s is not None]))
     status = np.full(cycle, Status.INFEASIBLE, dtype=np.int8)
     entries = (*CERTIFICATE_FIELDS, *CERTIFICATE_LIMITS)
-    names = ("transmission_error", "edge_share", "iterations", *entries)
-    scalars = {name: np.full(cycle, np.nan) for name in names}
+    scalars = {name: np.full(cycle, np.nan) for name in ("transmission_error", "edge_share", "iterations", *entries)}
     for case in cases:
         solution, at = case.solution, (case.torque, case.mesh_position)
         status[at] = solution.status
@@ -169,15 +166,13 @@ def loaded_dataset(
     of_pair = [np.sum(np.where(per_segment["tooth"] == pair, moment, 0.0), axis=2) for pair in pairs]
     on_edges = np.sum(np.where(np.isfinite(per_segment["overhang"]), moment, 0.0), axis=2)
     whole = np.where(certified, np.sum(moment, axis=2), np.nan)
-    share = np.stack(of_pair, axis=2) / whole[:, :, None]
     scalars["edge_share"] = on_edges / whole
-    error = scalars["transmission_error"]
     data: dict[str, Any] = {name: (("torque", "mesh_position"), value) for name, value in scalars.items()}
     data |= {name: (("torque", "mesh_position", "segment"), value) for name, value in per_segment.items()}
     data["status"] = (("torque", "mesh_position"), status, Status.flag_attributes())
-    data["load_share"] = (("torque", "mesh_position", "pair"), share)
+    data["load_share"] = (("torque", "mesh_position", "pair"), np.stack(of_pair, axis=2) / whole[:, :, None])
     data["pinion_rotation"] = ("mesh_position", rotations)
-    data |= rotation_numbers(error)
+    data |= rotation_numbers(scalars["transmission_error"])
     pressure = per_segment["pressure"].reshape(torques.size, -1)
     # Where sharp edges carry all of the load, there is no pressure to compare: what carries nothing does not count.
     greatest = np.where(pressure > 0.0, pressure, -np.inf).max(axis=1)
@@ -278,9 +273,8 @@ class CycleSolver:
             return segments if held is None else held.holding(segments)
 
         count = cycle.on_lines.lines.rotations.size
-        segments: list[Segments | None]
         if self.greater:
-            segments = [None] * count
+            segments: list[Segments | None] = [None] * count
             for case in self.greater:
                 segments[case.mesh_position] = case.segments
             return segments, self.solved(segments, torques)
@@ -308,10 +302,8 @@ class CycleSolver:
         contacts = [group.line_contact for _, group in present]
         order, problems = np.argsort(torques, kind="stable"), [group.bending_problem for _, group in present]
         cases = []
-        at_torques = solve_at_torques(
-            problems, contacts, 1e3 * self.ratio * torques[order], self.solver, **self.options
-        )
-        for index, solved in zip(order, at_torques, strict=True):
+        by_torque = solve_at_torques(problems, contacts, 1e3 * self.ratio * torques[order], self.solver, **self.options)
+        for index, solved in zip(order, by_torque, strict=True):
             for (k, group), (solution, secant) in zip(present, solved, strict=True):
                 cases.append(LoadedCase(int(index), k, group, solution, secant))
                 if self.progress is not None:

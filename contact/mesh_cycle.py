@@ -199,8 +199,8 @@ class MeshCycle:
         _check_options(edge_contact, progress, greater)
         load = np.asarray(torques)
         if supports is not None:
-            common = {"edge_contact": edge_contact, "solver": solver, "progress": progress, **options}
-            contact = self.supported(load, supports, **common)
+            options |= {"edge_contact": edge_contact, "solver": solver, "progress": progress}
+            contact = self.supported(load, supports, **options)
             return contact.loaded, contact.cases
         cycle_solver = CycleSolver(self.ratio, edge_contact, solver, options, progress, greater)
         return cycle_solver.loaded(self.segments, load)
@@ -276,9 +276,7 @@ class MeshCycle:
 
     def solved(self, torques: Sequence[float] | Array, solver: SolverChoice = "auto") -> list[LoadedCase]:
         """The cases of ``loaded`` alone, with contact on lines."""
-        return CycleSolver(self.ratio, solver=solver).solved(
-            self.segments.by_position, np.asarray(torques, dtype=float)
-        )
+        return CycleSolver(self.ratio, solver=solver).solved(self.segments.by_position, np.asarray(torques, float))
 
     def with_ease_off(self, ease_off: xr.Dataset) -> MeshCycle:
         """The same pair with another ease-off on the same grid, as of deviating or modified flanks.

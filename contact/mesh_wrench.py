@@ -41,9 +41,8 @@ class MeshWrenches:
     def of(cls, geometry: PairGeometry) -> MeshWrenches:
         """The wrenches of a pair."""
         data, grid = geometry.ease_off, ("lengthwise", "profile")
-        position, normal = (
-            np.moveaxis(ordered(data, name, *grid, "space"), -1, 0) for name in ("action_position", "action_normal")
-        )
+        vectors = (ordered(data, name, *grid, "space") for name in ("action_position", "action_normal"))
+        position, normal = (np.moveaxis(vector, -1, 0) for vector in vectors)
         shape = position.shape[1:]
         wrench = -unit_wrenches(position.reshape(3, -1), normal.reshape(3, -1)).T.reshape(6, *shape)
         wrench *= ordered(data, "lever_arm", *grid) / np.abs(wrench[5])

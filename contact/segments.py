@@ -140,8 +140,7 @@ class LineSegments:
     @cached_property
     def spread(self) -> list[SpreadDeflection]:
         """Deflection that line contact leaves out; empty on plates, the dissertation's method."""
-        materials = self.teeth.solid or ()
-        members = zip(MEMBERS, materials, strict=False)
+        members = zip(MEMBERS, self.teeth.solid or (), strict=False)
         return [SpreadDeflection.of(self.fields, *one) for one in members]
 
     def loads(self, places: LoadedPlaces) -> UnitLoads:
@@ -293,17 +292,10 @@ class CycleSegments:
         model = self.on_lines.teeth.model
         result: list[Segments | None] = [None] * self.on_lines.lines.rotations.size
         table, parts = _sorted(table)
-        depths = [np.maximum(table[name], MATERIAL_DEPTH_MINIMUM) for name in DEPTHS]
-        contact = WeberLineContact(
-            table["length"],
-            1.0 / np.maximum(table["curvature"], RELATIVE_CURVATURE_MINIMUM),
-            depths[0],
-            depths[1],
-            model.pinion,
-            model.gear,
-            model.foot_correction,
-            overhang=table["overhang"],
-        )
+        of_pinion, of_gear = (np.maximum(table[name], MATERIAL_DEPTH_MINIMUM) for name in DEPTHS)
+        radius = 1.0 / np.maximum(table["curvature"], RELATIVE_CURVATURE_MINIMUM)
+        bodies = model.pinion, model.gear, model.foot_correction
+        contact = WeberLineContact(table["length"], radius, of_pinion, of_gear, *bodies, overhang=table["overhang"])
         for i, (k, part) in enumerate(parts.items()):
             columns = {name: values[..., part] for name, values in table.items()}
             basis = bending[i] if bending is not None else loads.bending(columns["pair"], columns["row"])
