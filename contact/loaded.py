@@ -20,7 +20,7 @@ from ..core.checks import array
 from ..core.process_settings import one_blas_thread
 from .compliance.elastic_model import tooth_fields
 from .compliance.weber_line_contact import WeberLineContact
-from .line_contact.line_contact_law import solve_at_torques
+from .line_contact.line_contact_solution import solve_at_torques
 from .lines.closest_approach import PASSING_FIELDS
 from .lines.contact_lines import contact_splines
 from .lines.flank_splines import FlankSplines

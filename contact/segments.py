@@ -17,8 +17,7 @@ from .compliance.spread_deflection import SpreadDeflection, end_loads, remaining
 from .compliance.weber_line_contact import WeberLineContact
 from .lines.closest_approach import ClosestApproach, closest_approach, pinion_points
 from .lines.flank_splines import FlankSplines
-from .lines.line_ends import edge_distance, line_rotations, lines_to_edges
-from .lines.mesh_edges import FlankEdge, edges_in_mesh, flank_edges
+from .lines.mesh_edges import FlankEdge, edge_distance, edges_in_mesh, flank_edges, line_rotations, lines_to_edges
 from .lines.mesh_lines import LoadedPlaces, MeshLines, gauss_points
 from .mesh_wrench import MeshWrenches, SupportModes
 from .problem.contact_problem import ContactProblem
@@ -210,7 +209,7 @@ class CycleSegments:
 
     @cached_property
     def to_edges(self) -> CycleSegments:
-        """The same with contact lines that end where edges begin to touch, see ``line_ends``."""
+        """The same with contact lines that end where edges begin to touch, see ``mesh_edges``."""
         lines = lines_to_edges(self.fields, self.on_lines.lines)
         return replace(self, on_lines=replace(self.on_lines, fields=self.fields, lines=lines), cut=True)
 

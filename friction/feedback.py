@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from ..contact.line_contact.line_contact_law import solve_line_contacts
+from ..contact.line_contact.line_contact_solution import solve_line_contacts
 from ..contact.loaded import LoadedCase
 from ..contact.solvers import SolverChoice, Status
 from ..core.arrays import Array, Bools

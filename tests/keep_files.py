@@ -148,7 +148,7 @@ def _problems(path: Path) -> list[dict[str, float]]:
 
 
 def _matlab(path: Path) -> list[dict[str, float]]:
-    from easeoff.contact.problem.exchange.matlab_file import read_mat
+    from easeoff.contact.problem.exchange.problem_formats import read_mat
 
     return [{"size": p.size, "torque": p.torque, "arm": float(p.lever_arm.sum())} for p in read_mat(path).problems]
 

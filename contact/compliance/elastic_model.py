@@ -23,12 +23,12 @@ from ...core.checks import check_fields, frozen, instances, positive, two_whole
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
 from ..problem.modal_basis import ModalBasis, SharedModes, basis_of_blocks, compressed_block
-from .elastic_foundation import ElasticFoundation
 from .finite_elements.finite_element_tooth import solid_shell_tooth
 from .finite_elements.flank_compliance import FlankCompliance
 from .finite_elements.tooth_ring import ToothBody
 from .material import Material
 from .shell import Shell
+from .shell_kinematics import ElasticFoundation
 from .tooth_dimensions import ToothDimensions
 
 DROPPED_SHARE = 1e-8  # of the greatest eigenvalue: shared modes below, which change no digit of a result, are left out

@@ -35,7 +35,6 @@ from numpy.typing import ArrayLike
 from ...core.arrays import Bools, Integers, RealArray as Array, record
 from ...core.checks import instance, positive, two_whole
 from ...core.errors import InputError
-from .elastic_foundation import ElasticFoundation
 from .material import Material
 from .shell_kinematics import (
     NUMBER_OF_ROOT_QUANTITIES,
@@ -46,6 +45,7 @@ from .shell_kinematics import (
     STRAIN_X,
     STRAIN_Y,
     DisplacementAssumption,
+    ElasticFoundation,
     Kinematics,
     five_field,
 )

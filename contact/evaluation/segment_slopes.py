@@ -29,14 +29,12 @@ from ...geometry.pair.gear_pair import MEMBERS
 from ..compliance.elastic_model import member_points
 from ..lines.closest_approach import PASSING_FIELDS, PINION_FRACTIONS, SEPARATION_FIELDS, pinion_points
 from ..lines.contact_lines import BOUNDARY_FIELDS, ContactLines, bend_and_slope, length_through
-from ..lines.flank_splines import SLOPES, VALUE_AND_SLOPES, FlankSplines, fit
-from ..lines.line_ends import line_rotations
-from ..lines.mesh_edges import FlankEdge, chosen_elements, flank_edges
+from ..lines.flank_splines import SLOPES, VALUE_AND_SLOPES, FlankSplines, TensorSpline, fit
+from ..lines.mesh_edges import FlankEdge, chosen_elements, flank_edges, line_rotations
 from ..lines.mesh_lines import LoadedPlaces, MeshLines
-from ..lines.tensor_spline import TensorSpline
 from ..loaded import HARMONIC_ORDER_COUNT, LoadedCase, rotation_numbers
-from ..pair_errors import ENVELOPE_REFINEMENT
 from ..segments import DEPTHS, CycleSegments, loaded_at
+from ..unloaded import ENVELOPE_REFINEMENT
 from .unloaded_slopes import UnloadedSlopes
 
 

@@ -17,7 +17,7 @@ import xarray as xr
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ...core.arrays import Array, Integers, record
-from ..lines.monotone_cubic import MonotoneCubic
+from ..lines.flank_splines import MonotoneCubic
 
 CYCLES = 2  # of the mesh that curves show
 STEP_POINT_COUNT = 8  # points of a curve a mesh position

@@ -25,8 +25,7 @@ from ..lines.mesh_lines import MeshLines
 from ..lines.touching_points import TouchingPoints
 from ..lines.turned_flanks import BOUNDS, TurnedFlanks, circles_met
 from ..loaded import extremes
-from ..pair_errors import ENVELOPE_REFINEMENT, NEIGHBOUR_DISTANCE_LIMIT, PairErrors
-from ..unloaded import PEAK_TOLERANCE
+from ..unloaded import ENVELOPE_REFINEMENT, NEIGHBOUR_DISTANCE_LIMIT, PEAK_TOLERANCE, PairErrors
 
 ON_BOUND = 1e-6  # fraction of the flank within which a point lies on a bound
 LEVEL_SLOPE = 1e-9  # [rad per fraction of the flank]; a gap that falls by less towards a bound is not held by it

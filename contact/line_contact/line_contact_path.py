@@ -33,8 +33,7 @@ from ..problem.contact_problem import ContactProblem
 from ..solvers import ContactSolution
 from ..solvers.parametric.sensitivity import DEGENERACY_TOLERANCE, Sensitivity, tangent_answer_sensitivity
 from ..solvers.parametric.torque_path import PathOverTorque, path_ends, path_fields
-from .line_contact_law import solve_line_contacts
-from .line_contact_solution import LineContact, solve_on_bending
+from .line_contact_solution import LineContact, solve_line_contacts, solve_on_bending
 
 
 def line_contact_sensitivity(

@@ -19,8 +19,7 @@ from typing import Literal
 import numpy as np
 
 from ...core.arrays import RealArray as Array
-from .convex_programme import Goal, Value, judged, solve_programme
-from .load_response import LoadResponse
+from .convex_programme import Goal, LoadResponse, Value, judged, solve_programme
 
 #: Least ratios of the gain to the promised one for a step to be taken, and for a larger trust radius after it.
 TAKEN_GAIN_RATIO, GOOD_GAIN_RATIO = 0.1, 0.75

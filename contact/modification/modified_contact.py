@@ -13,7 +13,7 @@ from ..mesh_cycle import MeshCycle
 from ..problem.compliance_matrix import ModalCompliance
 from ..segments import Segments
 from ..solvers import Status
-from .load_response import LoadResponse, held_in_contact, load_response, stacked
+from .convex_programme import LoadResponse, held_in_contact, load_response, stacked
 
 
 def separation_slopes(cycle: MeshCycle, names: tuple[str, ...]) -> list[Array]:

@@ -35,8 +35,7 @@ from ...core.errors import InputError
 from ..outcomes import CERTIFICATE_FIELDS as CERTIFICATE_FIELDS
 from .compliance_matrix import ComplianceMatrix, ModalCompliance, OperatorCompliance
 from .contact_problem import ContactProblem
-from .error_free import UNIT_ROUNDOFF, dot_terms, double_double
-from .first_contact import ERROR_FREE
+from .first_contact import ERROR_FREE, UNIT_ROUNDOFF, dot_terms, double_double
 
 #: Greatest error of operations whose result is below the normal numbers [in any unit].
 UNDERFLOW = 1e-318

@@ -36,7 +36,7 @@ from ...core.arrays import Bools, RealArray as Array, record
 from .certificate import exact_gap_error, exact_residuals
 from .compliance_matrix import ModalCompliance, OperatorCompliance
 from .contact_problem import ContactProblem
-from .error_free import UNIT_ROUNDOFF, dot_terms
+from .first_contact import UNIT_ROUNDOFF, dot_terms
 
 #: Segments of a structured compliance from which on its eigenvalues are bounded by the local part alone.
 EIGENVALUE_SIZE_LIMIT = 1000

@@ -67,7 +67,7 @@ def _solvers() -> dict[str, SolverSettings]:
     text = resources.files(__package__).joinpath("solver_table.toml").read_text(encoding="utf-8")
     solvers = {}
     for name, row in tomllib.loads(text).items():
-        facts = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
+        facts: dict[str, Any] = {key: tuple(value) if isinstance(value, list) else value for key, value in row.items()}
         if (report := facts.pop("report", None)) is not None:
             ends = {end: Status[status] for status, each in report.pop("ends", {}).items() for end in each}
             other_end = Status[report.pop("other_end")] if "other_end" in report else None

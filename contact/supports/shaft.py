@@ -28,7 +28,7 @@ from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..compliance.material import Material
-from ..lines.monotone_cubic import MonotoneCubic
+from ..lines.flank_splines import MonotoneCubic
 from .support import ORIGIN, BearingReaction, Support, Supports, shift_matrix, shifted_wrench
 
 POSITION_LIMIT = 5000.0  # along the axis, either way [mm]

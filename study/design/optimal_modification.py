@@ -16,8 +16,15 @@ from ...cases.deflection_table import MisalignmentSource, misalignments_of
 from ...cases.deflections import assembly_columns
 from ...cases.schema.case_schema import Case
 from ...contact.modification import convex_programme
-from ...contact.modification.convex_programme import Goal, Objective, end_loads, figures, worst_assembly
-from ...contact.modification.load_response import LoadResponse, stacked
+from ...contact.modification.convex_programme import (
+    Goal,
+    LoadResponse,
+    Objective,
+    end_loads,
+    figures,
+    stacked,
+    worst_assembly,
+)
 from ...contact.modification.modification_search import ModificationSearch, optimal_modification
 from ...contact.modification.modified_contact import ModifiedContact
 from ...contact.solvers import require_solver

@@ -30,8 +30,7 @@ from easeoff.contact.lines.flank_splines import fit
 from easeoff.contact.lines.mesh_lines import gauss_points, mesh_rotations
 from easeoff.contact.lines.turned_flanks import BOUNDS, TurnedFlanks, TurnedGap
 from easeoff.contact.loaded import continuous_range, harmonics, peak_to_peak, rms
-from easeoff.contact.pair_errors import PairErrors
-from easeoff.contact.unloaded import CONTACT_EDGES
+from easeoff.contact.unloaded import CONTACT_EDGES, PairErrors
 from easeoff.geometry import (
     FlankName,
     GearPair,

@@ -9,8 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from easeoff.contact import ContactProblem, Status, solve
-from easeoff.contact.modification.convex_programme import Goal, Objective, figures, worst_assembly
-from easeoff.contact.modification.load_response import LoadResponse, held_in_contact, load_response, stacked
+from easeoff.contact.modification.convex_programme import (
+    Goal,
+    LoadResponse,
+    Objective,
+    figures,
+    held_in_contact,
+    load_response,
+    stacked,
+    worst_assembly,
+)
 from easeoff.contact.problem.compliance_matrix import DenseCompliance
 
 Array = NDArray[np.float64]

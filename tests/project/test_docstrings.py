@@ -22,8 +22,8 @@ from easeoff.contact.compliance.spread_deflection import SpreadDeflection
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
 from easeoff.contact.evaluation.marking_print import UnloadedPattern
 from easeoff.contact.evaluation.tooth_passage import CarryingError
+from easeoff.contact.lines.flank_splines import MonotoneCubic
 from easeoff.contact.lines.mesh_lines import LoadedPlaces, tooth_ends
-from easeoff.contact.lines.monotone_cubic import MonotoneCubic
 from easeoff.contact.mesh_wrench import MeshWrenches, SupportModes
 from easeoff.contact.modification.modified_contact import ModifiedContact
 from easeoff.contact.segments import HeldMembers

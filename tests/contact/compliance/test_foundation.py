@@ -12,12 +12,12 @@ from thesis_shell import thesis_kinematics
 
 from easeoff import InputError
 from easeoff.contact import STEEL, ElasticFoundation, Material, Shell, ToothDimensions
-from easeoff.contact.compliance.elastic_foundation import FoundationSource
 from easeoff.contact.compliance.shell_kinematics import (
     ROOT_DEFLECTION,
     ROOT_HEIGHT_SHIFT,
     ROOT_ROTATION,
     DisplacementAssumption,
+    FoundationSource,
     five_field,
 )
 from easeoff.verification import shell_root_stress

@@ -38,8 +38,8 @@ from easeoff.contact.lines.closest_approach import PASSING_FIELDS
 from easeoff.contact.lines.mesh_lines import MeshLines
 from easeoff.contact.lines.turned_flanks import TurnedFlanks
 from easeoff.contact.loaded import rotation_numbers
-from easeoff.contact.pair_errors import PairErrors
 from easeoff.contact.tooth_root_stress import root_stress
+from easeoff.contact.unloaded import PairErrors
 from easeoff.core.errors import InputError
 from easeoff.friction import FrictionModel, friction
 from easeoff.geometry import pair_geometry

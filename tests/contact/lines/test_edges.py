@@ -21,8 +21,15 @@ from easeoff.contact.compliance.spread_deflection import MODES
 from easeoff.contact.lines.closest_approach import OppositePoints, across_line, one_step, pinion_points
 from easeoff.contact.lines.contact_lines import ContactLines
 from easeoff.contact.lines.flank_splines import FlankSplines
-from easeoff.contact.lines.line_ends import edge_distance, line_rotations, lines_to_edges
-from easeoff.contact.lines.mesh_edges import EDGES, EdgeElements, edge_elements, edges_in_mesh
+from easeoff.contact.lines.mesh_edges import (
+    EDGES,
+    EdgeElements,
+    edge_distance,
+    edge_elements,
+    edges_in_mesh,
+    line_rotations,
+    lines_to_edges,
+)
 from easeoff.contact.loaded import EDGE_SEARCH_ROTATION_FACTOR, CycleSolver, loaded_splines
 from easeoff.contact.segments import CycleSegments, LineSegments
 from easeoff.geometry import GearPair, Misalignment, PairGeometry, pair_geometry

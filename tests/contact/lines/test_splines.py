@@ -9,8 +9,7 @@ import pytest
 from numpy.typing import NDArray
 from scipy.interpolate import NdBSpline, PchipInterpolator, make_interp_spline
 
-from easeoff.contact.lines.monotone_cubic import MonotoneCubic
-from easeoff.contact.lines.tensor_spline import TensorSpline
+from easeoff.contact.lines.flank_splines import MonotoneCubic, TensorSpline
 
 Array = NDArray[Any]
 ORDERS = [(a, b) for a in range(4) for b in range(4 - a)]

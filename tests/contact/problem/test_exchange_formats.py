@@ -31,7 +31,7 @@ from easeoff.contact import (
     write_problems,
 )
 from easeoff.contact.problem.exchange.fclib_file import read_fclib, write_fclib
-from easeoff.contact.problem.exchange.matlab_file import read_mat, write_mat
+from easeoff.contact.problem.exchange.problem_formats import read_mat, write_mat
 from easeoff.contact.problem.exchange.programme_file import qps_programme, read_qps, write_qps
 from easeoff.study.compare.problem_export import write_problem_set, write_test_set
 from easeoff.study.library import Entry, entries, generate, reference_answers

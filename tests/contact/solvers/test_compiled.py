@@ -22,8 +22,8 @@ from easeoff.cases import LoadCase, write_case
 from easeoff.contact import ContactProblem, Status, solve, solve_many
 from easeoff.contact.evaluation import least_gap_kernel
 from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
-from easeoff.contact.lines import tensor_spline
-from easeoff.contact.lines.tensor_spline import TensorSpline
+from easeoff.contact.lines import flank_splines
+from easeoff.contact.lines.flank_splines import TensorSpline
 from easeoff.contact.problem import modal_basis as modal_basis_module, mode_kernel
 from easeoff.contact.problem.compliance_matrix import ModalCompliance, compliance_matrix
 from easeoff.contact.problem.modal_basis import ModalBasis, block_labels, modal_basis, mode_columns
@@ -431,7 +431,7 @@ def test_splines_and_least_gaps_have_the_bits_of_the_source() -> None:
     points[0, 7] = np.nan
     found = spline.evaluate(points, orders)
     with pytest.MonkeyPatch.context() as patch, np.errstate(all="ignore"):
-        patch.setattr(tensor_spline, "evaluate", kernels.in_python("easeoff.contact.lines.spline_kernel").evaluate)
+        patch.setattr(flank_splines, "evaluate", kernels.in_python("easeoff.contact.lines.spline_kernel").evaluate)
         for mine, other in zip(found, spline.evaluate(points, orders), strict=True):
             np.testing.assert_array_equal(mine, other)
     at_points = [*rng.uniform(-1.0, 1.0, (3, 40)), rng.uniform(-5.0, 20.0, 40), rng.uniform(0.0, 0.2, 40)]

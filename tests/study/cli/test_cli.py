@@ -355,7 +355,7 @@ def test_uncertified_results_are_reported_with_exit_code_1(
     """A solver that fails at one mesh position leaves NaN there, a status, everything else, and pictures."""
     import easeoff.contact.loaded as loaded
     from easeoff.contact import Status
-    from easeoff.contact.line_contact.line_contact_law import solve_at_torques
+    from easeoff.contact.line_contact.line_contact_solution import solve_at_torques
     from easeoff.contact.solvers.solution import no_solution
 
     calls = iter(range(10**6))
