@@ -258,8 +258,7 @@ class MeshCycle:
         """
         from .supports.assembly_rounds import AssemblyRounds
         from .supports.support import LoadedSupports, Supports
-        from .supports.supported_contact import SupportedContact
-        from .supports.supported_pair import SupportedPair
+        from .supports.supported_contact import SupportedContact, SupportedPair
 
         rounds = AssemblyRounds() if rounds is None else rounds
         _check_options(edge_contact, progress, greater)

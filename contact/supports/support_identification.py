@@ -12,7 +12,7 @@ from ...core.checks import array, instance, truth
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from .support import ORIGIN, Support, Supports
-from .supported_pair import RelativeMotion
+from .supported_contact import RelativeMotion
 
 ROTATION_LENGTH = 100.0  # [mm]; an error of Sigma counts as the displacement at this length
 RIDGE = 1e-6  # of the data; what the deflections do not determine is as small as it can be

@@ -1,12 +1,19 @@
 """Loaded contact of a pair on its supports, with the motion of its members under load.
 
 Results of a pair on supports: misalignment under load, mesh force, bearing loads, shares of the rotation.
+
+A pair on supports: its contact in one assembly, and the rounds that lead to the assembly under load.
+
+The contact problem of a round has the ease-off of its assembly, and what the members move beyond it to first order.
+What is left to the next round is that the forces turn and move with the flanks: about a hundredth of the change before.
+
+Relative motion of pinion and gear: a twist as E, P, G, Sigma and the rotations of both about their axes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -15,11 +22,223 @@ import xarray as xr
 
 from ...core.arrays import RealArray as Array, record
 from ...core.attributes import labelled
+from ...core.errors import GeometryError
+from ...geometry.pair.assembly import Assembly, Misalignment
 from ...geometry.pair.gear_pair import MEMBERS
-from ..loaded import LoadedCase, loaded_dataset, rotation_numbers
-from .assembly_rounds import CycleInAssembly, FoundRound, Round, RoundsStatus
-from .support import ORIGIN, shifted_wrench
-from .supported_pair import PARTS, SupportedPair, cycle_mean
+from ..loaded import CycleSolver, LoadedCase, loaded_dataset, rotation_numbers
+from ..mesh_wrench import MeshWrenches, SupportModes
+from ..segments import HeldMembers, Segments
+from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound, Round, RoundsStatus, Update
+from .support import ORIGIN, LoadedSupports, Supports, member_axes, shifted_wrench
+
+#: Parts of a relative motion, in this order: the four of ``Misalignment``, then the rotations in the drive sense.
+PARTS = ("offset", "pinion_axial", "gear_axial", "shaft_angle", "pinion_rotation", "gear_rotation")
+
+
+@record(frozen=True, eq=False)
+class RelativeMotion:
+    """The twist of the pinion relative to the gear, about the origin of the global frame, by its six parts."""
+
+    assembly: Assembly
+    pinion_sense: float  # of the drive rotation about the pinion axis, +1 or -1
+
+    @cached_property
+    def twists(self) -> Array:
+        """The twist (6, 6) of a unit of each part, one a column."""
+        pinion, gear = member_axes(self.assembly)
+        side = 1.0 if self.assembly.pinion_hand == "left" else -1.0
+        nothing = np.zeros(3)
+        columns = [
+            np.concatenate([[0.0, side, 0.0], nothing]),
+            np.concatenate([pinion.direction, nothing]),
+            np.concatenate([[0.0, 0.0, -1.0], nothing]),
+            np.array([0.0, 0.0, 0.0, 0.0, 1.0, 0.0]),
+            self.pinion_sense * pinion.rotation,
+            self.pinion_sense * gear.rotation,  # the gear turns against it, and its motion counts negative
+        ]
+        return np.stack(columns, axis=1)
+
+    def twist(self, parts: Array) -> Array:
+        """The twist (..., 6) of parts (..., 6) [mm, rad]."""
+        return np.asarray(parts @ self.twists.T)
+
+    def parts(self, twist: Array) -> Array:
+        """The parts (..., 6) [mm, rad] of a twist (..., 6)."""
+        return np.asarray(np.linalg.solve(self.twists, np.asarray(twist)[..., None])[..., 0])
+
+
+def moved(misalignment: Misalignment, parts: Array) -> Misalignment:
+    """A misalignment with the first four parts (6) of a relative motion added."""
+    return Misalignment(*(float(value) for value in np.array(list(vars(misalignment).values())) + parts[:4]))
+
+
+#: Parts of the relative motion that a geometry can be made with: E, P, G, Sigma, and the rotation of the pinion.
+MISALIGNMENT_PARTS, MOVED_PARTS = slice(0, 4), slice(0, 5)
+#: Makes the pair in another assembly.
+Assembled = Callable[[Misalignment], CycleInAssembly]
+
+
+@dataclass(frozen=True, eq=False)
+class SupportedPair:
+    """A pair on supports, without load in the assembly of a mesh cycle."""
+
+    cycle: CycleInAssembly
+    supports: LoadedSupports
+    assembled: Assembled
+    solver: CycleSolver
+    progress: Callable[[], None] | None = None
+
+    @property
+    def assembly(self) -> Assembly:
+        """The assembly without load."""
+        return self.cycle.geometry.pair.assembly
+
+    def motion(self, cycle: CycleInAssembly) -> RelativeMotion:
+        """The parts of a relative motion in the assembly of a cycle."""
+        motion = cycle.geometry.exact.motion
+        return RelativeMotion(motion.assembly, motion.pinion_sense)
+
+    def solved(self, torques: Array, rounds: AssemblyRounds) -> list[FoundRound]:
+        """The last rounds at torques (t) [N m]: of all together where nothing is updated, else of each alone."""
+        every = tuple(range(torques.size))
+        alone = [torques[i : i + 1] for i in every]
+        if not isinstance(self.supports, Supports):
+            return [self._ended((i,), alone[i], self._first(alone[i]), rounds) for i in every]
+        positions = self.cycle.lines.rotations.size
+        together = self._round(torques, np.zeros((positions, 6)), (self.supports,) * positions, "none")
+        if rounds.update == "none":
+            return [self._ended(every, torques, together, rounds)]
+        return [self._ended((i,), alone[i], together.at(i), rounds) for i in every]
+
+    def _ended(self, numbers: tuple[int, ...], torques: Array, first: Round, rounds: AssemblyRounds) -> FoundRound:
+        """The last round at torques (t), counted by the progress."""
+        ended = self._rounds(numbers, torques, first, rounds)
+        if self.progress is not None:
+            for _ in ended.found.cases:
+                self.progress()
+        return ended
+
+    def _rounds(self, numbers: tuple[int, ...], torques: Array, found: Round, rounds: AssemblyRounds) -> FoundRound:
+        """The last round at torques (t), from the first."""
+        absorbed, supports = np.zeros((len(found.supports), 6)), found.supports
+        for count in range(1, rounds.most + 1):
+            now, following = self._next(found, absorbed, rounds.update)
+            change = self._change(found, now - absorbed, following) if rounds.update != "none" or following else 0.0
+            ended = FoundRound(numbers, found, count, change, RoundsStatus.ENDED, "")
+            if not np.isfinite(change):
+                reason = "no mesh position has a certified solution"
+                return replace(ended, status=RoundsStatus.NOT_CERTIFIED, reason=reason)
+            if change <= rounds.limit:
+                return ended
+            if count == rounds.most:
+                break
+            try:
+                found = self._round(torques, now, following or supports, rounds.update)
+            except GeometryError as error:
+                reason = f"the flanks have no contact in the assembly found: {error}"
+                return replace(ended, status=RoundsStatus.NO_GEOMETRY, reason=reason)
+            absorbed, supports = now, following or supports
+        reason = f"after {rounds.most} rounds the assembly still changes gaps by {change:.3g} um"
+        return replace(ended, status=RoundsStatus.ROUND_LIMIT, reason=reason)
+
+    def _first(self, torque: Array) -> Round:
+        """The first round at a torque (1) on supports that depend on the load: under that of the pair on rigid ones."""
+        assert not isinstance(self.supports, Supports)
+        absorbed = np.zeros((self.cycle.lines.rotations.size, 6))
+        wrench = self._round(torque, absorbed, (Supports.rigid(),) * len(absorbed), "none").wrench
+        mean = np.nan_to_num(np.nanmean(wrench[0], axis=0)) if np.isfinite(wrench).any() else np.zeros(6)
+        return self._round(torque, absorbed, (self.supports.at(mean, -mean),) * len(absorbed), "none")
+
+    def _next(self, found: Round, absorbed: Array, update: Update) -> tuple[Array, tuple[Supports, ...]]:
+        """Parts (k, 6) that the geometry of the next round absorbs, and its supports; none if they stay."""
+        known = np.isfinite(found.wrench[0]).all(axis=1)
+        if not known.any():
+            return np.full_like(absorbed, np.nan), ()
+        mean, wrench = found.parts[0, known].mean(axis=0), found.wrench[0, known].mean(axis=0)
+        following, each = np.zeros_like(absorbed), np.where(known[:, None], found.wrench[0], wrench)
+        if update == "mean":
+            following[:, MISALIGNMENT_PARTS] = mean[MISALIGNMENT_PARTS]
+        elif update == "position":
+            every = np.where(known[:, None], found.parts[0], mean)
+            following[:, MOVED_PARTS] = every[:, MOVED_PARTS]
+        if isinstance(self.supports, Supports):
+            return following, ()
+        if update == "position":
+            return following, tuple(self.supports.at(one, -one) for one in each)
+        return following, (self.supports.at(wrench, -wrench),) * known.size
+
+    def _change(self, found: Round, parts: Array, following: tuple[Supports, ...]) -> float:
+        """Greatest change of a gap [um] by parts (k, 6) of the motion, and by other supports under the same load."""
+        twist = self.motion(found.cycle).twist(parts)
+        for number, (supports, wrench) in enumerate(zip(following, found.wrench[0], strict=False)):
+            changed = supports.relative(self.assembly) - found.supports[number].relative(self.assembly)
+            twist[number] += np.nan_to_num(changed @ wrench)
+        return 1e3 * float(np.abs(found.wrenches.flank @ twist.T).max())
+
+    def _round(self, torques: Array, absorbed: Array, supports: tuple[Supports, ...], update: Update) -> Round:
+        """One round: the contact in the assembly that has absorbed parts (k, 6) of the motion."""
+        compliances = {one: one.relative(self.assembly) for one in set(supports)}
+        positions, misalignment = len(supports), self.assembly.misalignment
+        mean = self._in_assembly(moved(misalignment, absorbed.mean(axis=0)), bool(absorbed.any()))
+        shape = (torques.size, positions)
+        wrench, parts, rotation = np.full((*shape, 6), np.nan), np.full((*shape, 6), np.nan), np.full(shape, np.nan)
+        if update == "position":
+            groups = [([number], self._at(number, absorbed[number])) for number in range(positions)]
+        else:
+            groups = [(list(range(positions)), mean)]
+        segments, cases = list[Segments | None](), list[LoadedCase]()
+        in_mean = MeshWrenches.of(mean.geometry)
+        for numbers, cycle in groups:
+            motion, wrenches = self.motion(cycle), in_mean if cycle is mean else MeshWrenches.of(cycle.geometry)
+            keys = [(supports[k], tuple(absorbed[k])) for k in numbers]
+            kinds = {key: SupportModes(compliances[key[0]], motion.twist(np.array(key[1]))) for key in set(keys)}
+            modes = [kinds[key] for key in keys]  # those of equal ones are found once
+            held = HeldMembers(modes, wrenches)
+            there, solved = self.solver.cases(replace(cycle.segments, wrenches=wrenches), torques, held)
+            segments += there
+            apart = self._first_contact_change(cycle)
+            for case in solved:
+                k = numbers[case.mesh_position]
+                cases.append(replace(case, mesh_position=k))
+                if case.solution.certified:
+                    case_segments, place = case.segments, (case.torque, k)
+                    wrench[place] = case_segments.mesh_wrench(case.solution.force)
+                    parts[place] = motion.parts(modes[case.mesh_position].twist(wrench[place]))
+                    rotation[place] = case.solution.rotation + apart - absorbed[k, 4] / self.assembly.ratio
+        beyond = np.nan_to_num(cycle_mean(parts)) - absorbed.mean(axis=0)
+        beyond[:, MISALIGNMENT_PARTS.stop :] = 0.0
+        change = np.array([in_mean.first_contact_change(one) for one in self.motion(mean).twist(beyond)])
+        first_contact = change + self._first_contact_change(mean)
+        return Round(mean, in_mean, segments, cases, wrench, parts, rotation, first_contact, supports)
+
+    def _in_assembly(self, misalignment: Misalignment, changed: bool) -> CycleInAssembly:
+        return self.assembled(misalignment) if changed else self.cycle
+
+    def _at(self, number: int, absorbed: Array) -> CycleInAssembly:
+        """The pair at one mesh position, in the assembly with parts (6) of the motion, the pinion turned with it."""
+        cycle = self._in_assembly(moved(self.assembly.misalignment, absorbed), bool(absorbed.any()))
+        middle = cycle.geometry.exact.motion.center - self.cycle.geometry.exact.motion.center
+        rotation = self.cycle.lines.rotations[number] + absorbed[4] - _nearest_zero(middle)
+        return cycle.at_rotations(np.array([rotation]))
+
+    def _first_contact_change(self, cycle: CycleInAssembly) -> float:
+        """First contact in the assembly of a cycle [rad], counted from that without load."""
+        there, reference = (one.geometry.ease_off.attrs["first_contact_rad"] for one in (cycle, self.cycle))
+        return _nearest_zero(there - reference)
+
+
+def _nearest_zero(angle: float) -> float:
+    """An angle [rad] without whole turns."""
+    return float(np.mod(angle + np.pi, 2.0 * np.pi) - np.pi)
+
+
+def cycle_mean(values: Array) -> Array:
+    """Means (t, c) over mesh positions of values (t, k, c) that may be NaN; NaN where all are."""
+    known = np.isfinite(values)
+    count = known.sum(axis=1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.where(known, values, 0.0).sum(axis=1) / count)
+
 
 CYCLE = ("torque", "mesh_position")
 SHARES = ("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_rotation")

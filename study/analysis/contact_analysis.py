@@ -224,7 +224,7 @@ def in_assembly_under_load(state: CaseInMesh, torques: Sequence[float] | Array) 
     supports = case_supports(case)
     if supports is None:
         return state
-    from ...contact.supports.supported_pair import PARTS
+    from ...contact.supports.supported_contact import PARTS
 
     rows = {0.0: list(vars(misalignment_at(state.misalignment, 0.0, state.flank)).values())}
     for places, assembly in state.assemblies(load):

@@ -27,8 +27,7 @@ from easeoff.contact.supports.support import (
     shift_matrix,
     shifted_wrench,
 )
-from easeoff.contact.supports.supported_contact import SupportedContact
-from easeoff.contact.supports.supported_pair import PARTS, RelativeMotion
+from easeoff.contact.supports.supported_contact import PARTS, RelativeMotion, SupportedContact
 from easeoff.geometry import FlankName, Misalignment, pair_geometry
 
 Array = NDArray[np.float64]

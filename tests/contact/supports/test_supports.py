@@ -21,7 +21,7 @@ from easeoff.contact.supports.support import (
     shifted_compliance,
     shifted_wrench,
 )
-from easeoff.contact.supports.supported_pair import RelativeMotion
+from easeoff.contact.supports.supported_contact import RelativeMotion
 from easeoff.core.errors import InputError
 
 Array = NDArray[np.float64]

@@ -14,7 +14,7 @@ from pairs import conjugate_pair, hobbed_pair, mirrored
 from easeoff.cases import gear_pair, read_case, shipped_cases
 from easeoff.contact.lines.contact_lines import curvature_and_skew
 from easeoff.contact.mesh_wrench import MeshWrenches
-from easeoff.contact.supports.supported_pair import PARTS, RelativeMotion, moved
+from easeoff.contact.supports.supported_contact import PARTS, RelativeMotion, moved
 from easeoff.geometry import (
     Blade,
     EaseOffTarget,
