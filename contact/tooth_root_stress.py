@@ -17,14 +17,10 @@ from .loaded import LoadedCase
 from .solvers import Status
 
 LENGTHWISE_STATION_COUNT = 41
+Teeth = tuple[FiniteElementTooth, FiniteElementTooth]  # pinion and gear
 
 
-def root_stress(
-    splines: FlankSplines,
-    teeth: tuple[FiniteElementTooth, FiniteElementTooth],
-    cases: list[LoadedCase],
-    loaded: xr.Dataset,
-) -> xr.Dataset:
+def root_stress(splines: FlankSplines, teeth: Teeth, cases: list[LoadedCase], loaded: xr.Dataset) -> xr.Dataset:
     """Largest tensile stress in the roots of the loaded sides of both members.
 
     A tooth of either member goes through all tooth pairs of the mesh cycle; the largest over mesh positions and pairs

@@ -32,21 +32,19 @@ from ...geometry.pair.field_slopes import field_slopes
 from ...geometry.pair.gear_pair import MEMBERS
 from ...geometry.pair.near_pair import PairSetting
 from ...geometry.pair.tooth_thickness import mean_thicknesses, thickness_slopes
-from ..compliance.finite_elements.finite_element_tooth import FiniteElementTooth
 from ..compliance.finite_elements.flank_compliance import spread_shares
 from ..compliance.weber_line_contact import WeberLineContact
 from ..line_contact.line_contact_path import line_contact_sensitivity
 from ..loaded import LoadedCase
 from ..mesh_cycle import MeshCycle
 from ..segments import MATERIAL_DEPTH_MINIMUM, RELATIVE_CURVATURE_MINIMUM
-from ..tooth_root_stress import root_stress
+from ..tooth_root_stress import Teeth, root_stress
 from .bending_slopes import POINT_STEP, BendingSlopes
 from .cycle_numbers import WAYS, load_spot
 from .segment_slopes import (
     EdgePieces,
     FieldDirections,
     SegmentSlopes,
-    line_motion,
     on_member,
     rotation_slopes,
     unloaded_numbers,
@@ -239,10 +237,7 @@ OF_ROOTS = ("root_stress_history", "max_root_stress")
 
 
 def root_stress_slopes(
-    directions: FieldDirections,
-    teeth: tuple[FiniteElementTooth, FiniteElementTooth],
-    found: Sequence[CaseSlopes],
-    stress: xr.Dataset,
+    directions: FieldDirections, teeth: Teeth, found: Sequence[CaseSlopes], stress: xr.Dataset
 ) -> dict[str, tuple[tuple[str, ...], Array]]:
     """Derivatives of ``root_stress_history`` and ``max_root_stress``, with their dimensions."""
     pairs, count = stress["pair"].values, found[0].rotation.size
@@ -313,24 +308,27 @@ class CycleSlopes:
 
     @classmethod
     def of(cls, cycle: MeshCycle, settings: Sequence[PairSetting], cases: Sequence[LoadedCase]) -> CycleSlopes:
-        """Differentiate solved cases; arguments and errors as of ``cycle_slopes``."""
+        """Differentiate solved cases.
+
+        Refused are plates, cases not on rigid supports (``InputError``), and lines that end at a hole
+        (``GeometryError``).
+        """
         nodes, ease_off = field_slopes(cycle.geometry, settings), cycle.geometry.ease_off
         bends = {name: ordered(ease_off, name, *_GRID) for name in ("separation_curvature", "separation_skew")}
         directions = FieldDirections.of(cycle.fields, bends, nodes)
         edges = any(np.any(np.isfinite(case.segments.line_contact.overhang)) for case in cases)
         pieces = EdgePieces.of(cases) if edges else None
-        slopes = SegmentSlopes.of(cycle.segments, directions, line_motion(directions, cycle.lines), pieces)
+        slopes = SegmentSlopes.of(cycle.segments, directions, pieces)
         derivatives = case_slopes(slopes, BendingSlopes.of(directions, slopes), cases, 1e3 * cycle.ratio)
         return cls(cycle, tuple(settings), nodes, directions, derivatives)
 
     def datasets(
-        self,
-        loaded: xr.Dataset,
-        roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
-        *,
-        unloaded: bool = True,
+        self, loaded: xr.Dataset, roots: Teeth | None = None, *, unloaded: bool = True
     ) -> tuple[xr.Dataset, xr.Dataset]:
-        """Values and derivatives; arguments and returns as of ``cycle_slopes``, without load only if asked."""
+        """Numbers of the mesh cycle, and their derivatives by settings, and last by the torque at the pinion [N m].
+
+        By mm, rad or the setting's unit; NaN where the contact has a kink. Those without load only if asked.
+        """
         cycle, cases = self.cycle, [one.case for one in self.cases]
         errors = unloaded_slopes(cycle.geometry, cycle.lines, self.settings, self.nodes) if unloaded else None
         values = cycle_values(cycle, loaded, cases, roots, errors)
@@ -348,10 +346,10 @@ def cycle_values(
     cycle: MeshCycle,
     loaded: xr.Dataset,
     cases: Sequence[LoadedCase],
-    roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
+    roots: Teeth | None = None,
     unloaded: UnloadedSlopes | None = None,
 ) -> xr.Dataset:
-    """Values of the variables that ``cycle_slopes`` differentiates; the unloaded error only with ``unloaded``."""
+    """Values of the variables that ``CycleSlopes`` differentiates; the unloaded error only with ``unloaded``."""
     ease_off = cycle.geometry.ease_off
     values: dict[str, Any] = {name: ease_off[name] for name in ON_FLANK} | {name: loaded[name] for name in OF_LOAD}
     values |= load_spot(loaded)
@@ -364,18 +362,3 @@ def cycle_values(
         stress = root_stress(cycle.fields, roots, list(cases), loaded)
         values |= {name: stress[name] for name in OF_ROOTS}
     return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False))
-
-
-def cycle_slopes(
-    cycle: MeshCycle,
-    settings: Sequence[PairSetting],
-    loaded: xr.Dataset,
-    cases: Sequence[LoadedCase],
-    roots: tuple[FiniteElementTooth, FiniteElementTooth] | None = None,
-) -> tuple[xr.Dataset, xr.Dataset]:
-    """Numbers of a mesh cycle, and their derivatives by settings, and last by the torque at the pinion [N m].
-
-    By mm, rad or the setting's unit; NaN where the contact has a kink. Refuses plates, cases not on rigid supports
-    (``InputError``), and lines that end at a hole (``GeometryError``).
-    """
-    return CycleSlopes.of(cycle, settings, cases).datasets(loaded, roots)

@@ -257,12 +257,11 @@ class SegmentSlopes:
     steps: Array  # of settings (j), moving points and fields by some STEP of their ranges
 
     @classmethod
-    def of(
-        cls, segments: CycleSegments, directions: FieldDirections, motion: LineMotion, pieces: EdgePieces | None
-    ) -> SegmentSlopes:
+    def of(cls, segments: CycleSegments, directions: FieldDirections, pieces: EdgePieces | None) -> SegmentSlopes:
         """Derivatives of segments that move with their lines, which with ``pieces`` of edges go up to these."""
         known = pieces or EdgePieces(np.zeros((0, 4), dtype=np.int64))
         moving, mesh = segments if pieces is None else segments.to_edges, segments.on_lines.lines
+        motion = line_motion(directions, mesh)
         reference, rotations = _loaded(segments, moving, known), line_rotations(moving.on_lines.lines)
 
         def moved(setting: int, step: float) -> dict[str, Array]:

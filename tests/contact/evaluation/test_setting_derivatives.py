@@ -31,13 +31,13 @@ from easeoff.contact import MeshCycle
 from easeoff.contact.compliance import elastic_model
 from easeoff.contact.compliance.finite_elements.flank_compliance import FlankCompliance, StressResponse
 from easeoff.contact.evaluation.cycle_numbers import load_spot
-from easeoff.contact.evaluation.cycle_slopes import CycleSlopes, cycle_slopes
+from easeoff.contact.evaluation.cycle_slopes import CycleSlopes
 from easeoff.contact.evaluation.segment_slopes import unloaded_numbers
 from easeoff.contact.evaluation.unloaded_slopes import UnloadedSlopes, unloaded_slopes
 from easeoff.contact.lines.closest_approach import PASSING_FIELDS
 from easeoff.contact.lines.mesh_lines import MeshLines
 from easeoff.contact.lines.turned_flanks import TurnedFlanks
-from easeoff.contact.loaded import rotation_numbers
+from easeoff.contact.loaded import LoadedCase, rotation_numbers
 from easeoff.contact.tooth_root_stress import root_stress
 from easeoff.contact.unloaded import PairErrors
 from easeoff.core.errors import InputError
@@ -106,6 +106,13 @@ SOME = {
     ],
     "fm-11x41": [PairSetting("pinion", "work_offset"), PairSetting("pinion", "radial_distance")],
 }
+
+
+def cycle_slopes(
+    cycle: MeshCycle, settings: list[PairSetting], loaded: xr.Dataset, cases: list[LoadedCase]
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """Numbers of a mesh cycle, and their derivatives by settings and torque."""
+    return CycleSlopes.of(cycle, settings, cases).datasets(loaded)
 
 
 @cache
