@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from time import perf_counter
 from typing import Any
@@ -28,6 +28,8 @@ from .solver_table import SOLVERS, Report
 FORMS = ("auto", "dense", "sparse", "lifted", "lcp", "products")
 
 
+#: Function that calls a backend: takes the scaled problem and the settings of the backend.
+Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
 #: Where the times of a call stand among the extras of its solution.
 CALL_TIMES = "call_times"
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache, partial
 from time import perf_counter
@@ -17,20 +17,9 @@ from ..problem.certificate import EXACT_TOLERANCE, of_whole_rotation
 from ..problem.compliance_matrix import ModalCompliance
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledModes, ScaledProblem
-from .backend import NoAnswerError, chosen_form, solve_scaled
+from .backend import Adapter, NoAnswerError, chosen_form, solve_scaled
 from .polish import Polish, PolishRule, polished_answer
-from .solution import (
-    OWN_ENDS,
-    RAISED,
-    SOLVED,
-    CallTimes,
-    ContactSolution,
-    ScaledAnswer,
-    Status,
-    course,
-    judged,
-    no_solution,
-)
+from .solution import OWN_ENDS, RAISED, SOLVED, CallTimes, ContactSolution, Status, course, judged, no_solution
 from .solver_declaration import Solver
 from .solver_limits import Limits, limit_hint
 from .solver_table import SOLVERS
@@ -41,8 +30,6 @@ ASSUMED = "that the compliance is positive semidefinite is assumed, products can
 GRACE_TIME = 1.0
 #: Polish of `solve`, and no limits.
 DEFAULT_POLISH, NO_LIMITS = PolishRule(), Limits()
-#: Function that calls a backend: takes the scaled problem and the settings of the backend.
-Adapter = Callable[[ScaledProblem, Mapping[str, Any]], ScaledAnswer]
 
 
 def adapter_of(solver: str) -> Adapter:
@@ -136,7 +123,7 @@ def backend_solution(
             hint = limit_hint(solver, own)
             raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}{hint}") from error
         late = foreign is not None and foreign.is_time_limit
-        status, report = (Status.TIME_LIMIT, None) if late else (Status.SOLVER_FAILED, RAISED)
+        status, report = (Status.TIME_LIMIT, "") if late else (Status.SOLVER_FAILED, RAISED)
         facts |= {"claim": report, "words": str(foreign) if foreign else reason_of(error)}
         solution = no_solution(problem.size, status, solver, **facts)
     label = f"{solver} ({what})" if what else solver

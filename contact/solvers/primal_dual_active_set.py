@@ -108,9 +108,7 @@ STALLED_STEPS, SMALLEST_STEP = 20, 1e-12
 
 
 def primal_active_set(
-    problem: ScaledProblem,
-    start: Bools | None = None,
-    budget: StepBudget = UNLIMITED,
+    problem: ScaledProblem, start: Bools | None = None, budget: StepBudget = UNLIMITED
 ) -> ScaledAnswer | None:
     """Solve the scaled problem by feasible descent; None if it did not end, or the energy has no minimum.
 

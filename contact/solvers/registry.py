@@ -21,8 +21,8 @@ from ..problem.conditioning import is_unbounded
 from ..problem.contact_problem import ContactProblem
 from ..problem.scaled_problem import ScaledProblem
 from . import native
-from .backend import FORMS, chosen_form
-from .backend_solution import ASSUMED, DEFAULT_POLISH, Adapter, adapter_of, backend_solution
+from .backend import FORMS, Adapter, chosen_form
+from .backend_solution import ASSUMED, DEFAULT_POLISH, adapter_of, backend_solution
 from .compiled.compiled_answer import dense_answer, is_small, linear_answer
 from .solution import CallTimes, ContactSolution, Status, course, judged, no_solution
 from .solver_declaration import ChosenSolver, Solver, SolverChoice, declared_solver, entry_point_names

@@ -203,13 +203,7 @@ class ContactSolution:
 
 
 def judged(
-    solver: str,
-    answer: Answer,
-    *,
-    tolerance: float,
-    suspicion: Status | None = None,
-    claim: str | None = None,
-    **facts: Any,
+    solver: str, answer: Answer, *, tolerance: float, suspicion: Status | None = None, claim: str = "", **facts: Any
 ) -> ContactSolution:
     """Solution with the status that the certificate of an answer gives it, and what else is known of it.
 
@@ -218,23 +212,15 @@ def judged(
     status = suspicion if suspicion in OWN_ENDS else Status.NOT_CERTIFIED
     if answer.certificate.passes(tolerance):
         status = Status.CERTIFIED
-    if claim is None:
-        claim = SOLVED if status is Status.CERTIFIED else status.name.lower()
+    claim = claim or (SOLVED if status is Status.CERTIFIED else status.name.lower())
     return ContactSolution(answer, status, solver, claim=claim, tolerance=tolerance, **facts)
 
 
 def no_solution(
-    size: int,
-    status: Status,
-    solver: str,
-    *,
-    claim: str | None = None,
-    certificate: Certificate = NO_CERTIFICATE,
-    **facts: Any,
+    size: int, status: Status, solver: str, *, claim: str = "", certificate: Certificate = NO_CERTIFICATE, **facts: Any
 ) -> ContactSolution:
     """Return the solution of a solve without an answer: NaN forces, and what is known of it."""
-    claim = status.name.lower() if claim is None else claim
-    return ContactSolution(no_answer(size, certificate), status, solver, claim=claim, **facts)
+    return ContactSolution(no_answer(size, certificate), status, solver, claim=claim or status.name.lower(), **facts)
 
 
 #: Ends of a solve in words, where there is no certified answer.

@@ -36,7 +36,8 @@ from ...contact.problem.certificate import NO_CERTIFICATE, Answer, Certificate, 
 from ...contact.problem.contact_problem import ContactProblem
 from ...contact.problem.exchange.problem_file import read_labels, read_problems
 from ...contact.solvers import SOLVERS, ContactSolution, Solver, solve
-from ...contact.solvers.backend_solution import Adapter, adapter_of, backend_solution
+from ...contact.solvers.backend import Adapter
+from ...contact.solvers.backend_solution import adapter_of, backend_solution
 from ...contact.solvers.polish import STRICT_POLISH
 from ...contact.solvers.registry import chosen_solver
 from ...contact.solvers.solution import RAISED
