@@ -255,11 +255,8 @@ def unloaded_contact(
         "path_profile": errors.table(touching.points[1]),
     }
     data: dict[str, Any] = {name: (grid, np.where(listed, table, np.nan)) for name, table in tables.items()}
-    data["contact_edge"] = (
-        grid,
-        np.where(listed, errors.table(edges), -1).astype(np.int8),
-        flag_attributes(CONTACT_EDGES),
-    )
+    edge = np.where(listed, errors.table(edges), -1).astype(np.int8)
+    data["contact_edge"] = (grid, edge, flag_attributes(CONTACT_EDGES))
     data |= {name: ((*grid, "end")[: table.ndim], table) for name, table in line.items()}
     carrying = errors.pairs[np.argmin(np.where(np.isfinite(error), error, np.inf), axis=0)]
     fine = 1e6 * errors.fine_envelope()

@@ -39,14 +39,10 @@ from .material import Material
 from .shell_kinematics import (
     NUMBER_OF_ROOT_QUANTITIES,
     NUMBER_OF_STRAINS,
-    SHEAR_XY,
-    SHEAR_XZ,
-    SHEAR_YZ,
-    STRAIN_X,
-    STRAIN_Y,
     DisplacementAssumption,
     ElasticFoundation,
     Kinematics,
+    energy_roots,
     five_field,
 )
 from .tooth_dimensions import ToothDimensions
@@ -125,9 +121,8 @@ class TrialFunctions:
 
     def over_height(self, x: Array, root_power: int, order: int = 0) -> Array:
         """Height functions and their derivatives d/dx [1/mm per order], (order + 1, *x.shape, height_count)."""
-        functions = rooted_polynomials(
-            x / self.reference_height, self.height_count, root_power, order=order, family=self.family
-        )
+        relative = x / self.reference_height
+        functions = rooted_polynomials(relative, self.height_count, root_power, order=order, family=self.family)
         for derivative in range(1, order + 1):
             functions[derivative] /= self.reference_height**derivative
         return functions
@@ -143,19 +138,6 @@ class TrialFunctions:
 def _unit_gauss(count: int) -> tuple[Array, Array]:
     points, weights = np.polynomial.legendre.leggauss(count)
     return 0.5 * (points + 1.0), 0.5 * weights
-
-
-def _energy_roots(material: Material, shear_factor: float) -> Array:
-    """Matrix R with R^T R = D, the plane stress law with transverse shear (Kolivand 2009, Eq. 3.6a)."""
-    nu, shear = material.poisson_ratio, np.sqrt(material.shear_modulus)
-    roots = np.zeros((NUMBER_OF_STRAINS, NUMBER_OF_STRAINS))
-    direct = np.sqrt(material.plane_strain_modulus)
-    roots[STRAIN_X, STRAIN_X] = direct
-    roots[STRAIN_X, STRAIN_Y] = direct * nu
-    roots[STRAIN_Y, STRAIN_Y] = direct * np.sqrt(1.0 - nu**2)
-    roots[SHEAR_XY, SHEAR_XY] = shear
-    roots[SHEAR_XZ, SHEAR_XZ] = roots[SHEAR_YZ, SHEAR_YZ] = shear * np.sqrt(shear_factor)
-    return roots
 
 
 def stiffness_matrix(
@@ -196,7 +178,7 @@ def stiffness_matrix(
         coefficient = term.coefficient(z, metric) / stretch[..., None] ** (term.y_derivative + term.fans)
         strain[..., term.strain, term.y_derivative, term.field, :] += coefficient[..., None] * shape[:, :, None, :]
     columns = y_orders * len(powers) * height_count
-    rooted = _energy_roots(material, shear_factor) @ strain.reshape(*z.shape, NUMBER_OF_STRAINS, columns)
+    rooted = energy_roots(material, shear_factor) @ strain.reshape(*z.shape, NUMBER_OF_STRAINS, columns)
     rooted *= np.sqrt(volume)[..., None, None]
     rooted = rooted.reshape(y.size, -1, columns)
     energy = np.swapaxes(rooted, 1, 2) @ rooted
@@ -212,9 +194,8 @@ def stiffness_matrix(
     # Lengthwise functions: K[a n, b m] = sum over stations and derivative orders of energy[a, b] Y_n Y_m.
     along = functions.along_trace(y, y_orders - 1)
     products = along[:, None, :, :, None] * along[None, :, :, None, :]
-    summed = energy.transpose(2, 4, 1, 3, 0).reshape(height_unknowns**2, -1) @ products.reshape(
-        y_orders**2 * y.size, functions.length_count**2
-    )
+    products = products.reshape(y_orders**2 * y.size, functions.length_count**2)
+    summed = energy.transpose(2, 4, 1, 3, 0).reshape(height_unknowns**2, -1) @ products
     blocks = summed.reshape(height_unknowns, height_unknowns, functions.length_count, functions.length_count)
     stiffness = blocks.transpose(0, 2, 1, 3).reshape(functions.size, functions.size)
     return np.asarray(0.5 * (stiffness + stiffness.T))
@@ -299,15 +280,10 @@ class Shell:
         profile, lengthwise = two_whole("modes", self.modes, 1)
         positive("shear_factor", self.shear_factor)
         kinematics = self.kinematics
-        functions = TrialFunctions(
-            reference_height=self.dimensions.largest_height,
-            trace_length=self.dimensions.trace_length,
-            height_count=profile,
-            length_count=lengthwise,
-            root_powers=kinematics.clamped_powers if self.foundation is None else kinematics.sprung_powers,
-            family=self.family,
-        )
-        object.__setattr__(self, "modes", (functions.height_count, functions.length_count))
+        powers = kinematics.clamped_powers if self.foundation is None else kinematics.sprung_powers
+        lengths = self.dimensions.largest_height, self.dimensions.trace_length
+        functions = TrialFunctions(*lengths, profile, lengthwise, powers, self.family)
+        object.__setattr__(self, "modes", (profile, lengthwise))
         object.__setattr__(self, "functions", functions)
         stiffness = self.stiffness()
         scale = 1.0 / np.sqrt(np.diagonal(stiffness))
@@ -452,10 +428,8 @@ class Shell:
             points = points[:-1]
         coefficients = {"one": 1.0, "metric": 1.0 + self.dimensions.trace_curvature * z, "offset": z}
 
-        offered = self.kinematics.displacement_terms
-        terms = sorted(
-            (one for one in offered if offset is not None or one.coefficient != "offset"), key=lambda one: one.field
-        )
+        offered = sorted(self.kinematics.displacement_terms, key=lambda one: one.field)
+        terms = [one for one in offered if offset is not None or one.coefficient != "offset"]
         loaded = [
             (direction[..., one.component] * coefficients[one.coefficient])[..., None]
             * over_height[functions.root_powers[one.field]]

@@ -57,6 +57,19 @@ ROOT_DEFLECTION, ROOT_ROTATION, ROOT_HEIGHT_SHIFT, ROOT_TRACE_SHIFT, ROOT_TWIST 
 NUMBER_OF_ROOT_QUANTITIES = 5
 
 
+def energy_roots(material: Material, shear_factor: float) -> Array:
+    """Matrix R with R^T R = D, the plane stress law with transverse shear (Kolivand 2009, Eq. 3.6a)."""
+    nu, shear = material.poisson_ratio, np.sqrt(material.shear_modulus)
+    roots = np.zeros((NUMBER_OF_STRAINS, NUMBER_OF_STRAINS))
+    direct = np.sqrt(material.plane_strain_modulus)
+    roots[STRAIN_X, STRAIN_X] = direct
+    roots[STRAIN_X, STRAIN_Y] = direct * nu
+    roots[STRAIN_Y, STRAIN_Y] = direct * np.sqrt(1.0 - nu**2)
+    roots[SHEAR_XY, SHEAR_XY] = shear
+    roots[SHEAR_XZ, SHEAR_XZ] = roots[SHEAR_YZ, SHEAR_YZ] = shear * np.sqrt(shear_factor)
+    return roots
+
+
 @dataclass(frozen=True)
 class StrainTerm:
     """One term of a strain: coefficient(z, g) times a derivative of one field.

@@ -213,10 +213,7 @@ def _foretold(here: PathNode, torque: float) -> Array:
 
 
 def _reach(
-    path: ContinuedPath,
-    node: Callable[[float, Array | None], PathNode | None],
-    target: PathNode,
-    tolerance: float,
+    path: ContinuedPath, node: Callable[[float, Array | None], PathNode | None], target: PathNode, tolerance: float
 ) -> bool:
     """Add certified points up to the target, so close that every change is located; False where that fails."""
     waiting, divisions = [target], 0
@@ -373,12 +370,7 @@ class LineContactPath(PathOverTorque):
 
 
 def line_contact_path(
-    bending: ContactProblem,
-    line_contact: LineContact,
-    start: float,
-    end: float,
-    *,
-    tolerance: float = TORQUE_TOLERANCE,
+    bending: ContactProblem, line_contact: LineContact, start: float, end: float, *, tolerance: float = TORQUE_TOLERANCE
 ) -> LineContactPath:
     """Follow the solution of a contact problem with load-dependent line contact over the torque.
 

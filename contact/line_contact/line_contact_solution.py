@@ -288,15 +288,14 @@ def _failed(bending: ContactProblem, status: Status, name: str, message: str, it
     return no_solution(bending.size, status, name, message=message, iterations=iterations)
 
 
+Problems = Sequence[ContactProblem]
+LineContacts = Sequence[WeberLineContact]
+Starts = Sequence[Array | None]
 _Found = tuple[ContactSolution, ContactProblem]
 
 
 def solve_at_torques(
-    bendings: Sequence[ContactProblem],
-    contacts: Sequence[WeberLineContact],
-    torques: Array,
-    solver: SolverChoice = "auto",
-    **options: Any,
+    bendings: Problems, contacts: LineContacts, torques: Array, solver: SolverChoice = "auto", **options: Any
 ) -> Iterator[list[_Found]]:
     """Solutions at rising torques (t) [N mm], each from the one before; the torque of the problems is of no account."""
     solver = chosen_solver(solver)
@@ -314,11 +313,7 @@ def solve_at_torques(
 
 
 def solve_line_contacts(
-    bendings: Sequence[ContactProblem],
-    contacts: Sequence[WeberLineContact],
-    starts: Sequence[Array | None],
-    solver: SolverChoice = "auto",
-    **options: Any,
+    bendings: Problems, contacts: LineContacts, starts: Starts, solver: SolverChoice = "auto", **options: Any
 ) -> Iterator[_Found]:
     """Solve contact problems with load-dependent line contact, and prove the answers; one result a problem.
 
@@ -333,9 +328,9 @@ def solve_line_contacts(
 
 
 def _completed(
-    bendings: Sequence[ContactProblem],
-    contacts: Sequence[WeberLineContact],
-    starts: Sequence[Array | None],
+    bendings: Problems,
+    contacts: LineContacts,
+    starts: Starts,
     known: Sequence[_Found | None],
     solver: ChosenSolver,
     **options: Any,

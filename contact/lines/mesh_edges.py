@@ -110,21 +110,11 @@ def flank_edges(splines: FlankSplines, near: Sequence[FlankEdge] | None = None) 
         here, beside = _at(expansion, columns), _at(opposite, columns)
         passing = beside.slopes - beside.rate[:, None] * here.gradient[None]
         moving = -solved(passing, beside.rate) if of_pinion else np.zeros((2, along.size))
-        edges.append(
-            FlankEdge(
-                of_pinion=of_pinion,
-                fraction=fraction,
-                outward=1.0 if value == 1.0 else -1.0,
-                nodes=nodes[:, number],
-                points=points[:, columns],
-                here=here,
-                opposite=beside,
-                moving=moving,
-                nearing=1.0 - np.sum(moving * here.gradient, axis=0),
-                leaving=np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction],
-                blade_distance=blade_distance[columns],
-            )
-        )
+        nearing, outward = 1.0 - np.sum(moving * here.gradient, axis=0), 1.0 if value == 1.0 else -1.0
+        leaving = np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction]
+        place = nodes[:, number], points[:, columns], here, beside
+        motion = moving, nearing, leaving, blade_distance[columns]
+        edges.append(FlankEdge(of_pinion, fraction, outward, *place, *motion))
     return tuple(edges)
 
 

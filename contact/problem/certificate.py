@@ -384,15 +384,10 @@ def _relative_to_scales(
     if sizes.total > 0.0:
         of_balance = _relative(left.imbalance_error, moment_scale)
         resolution = max(resolution, of_balance, _relative(left.surplus_error, energy_scale))
-    return Certificate(
-        _relative(abs(left.imbalance), moment_scale),
-        _relative(max(-sizes.least_force, 0.0), sizes.largest_force),
-        max(-float(left.gap.min()), 0.0) / gap_scale,
-        max(float(shared.max()), 0.0),
-        _relative(abs(left.surplus), energy_scale),
-        resolution,
-        cancellation,
-    )
+    imbalance, surplus = _relative(abs(left.imbalance), moment_scale), _relative(abs(left.surplus), energy_scale)
+    pulling = _relative(max(-sizes.least_force, 0.0), sizes.largest_force)
+    penetration, loaded_gap = max(-float(left.gap.min()), 0.0) / gap_scale, max(float(shared.max()), 0.0)
+    return Certificate(imbalance, pulling, penetration, loaded_gap, surplus, resolution, cancellation)
 
 
 def _gap_scale(problem: ContactProblem, sizes: Sizes, turned: float) -> tuple[float, float]:

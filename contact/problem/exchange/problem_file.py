@@ -63,13 +63,7 @@ from ..contact_problem import (
     problem_numbers,
     problem_of_numbers,
 )
-from .fclib_file import (
-    VARIABLES as REFERENCE_VARIABLES,
-    padded,
-    reference_arrays,
-    reference_variables,
-    require_answers,
-)
+from .fclib_file import VARIABLES as REFERENCE_VARIABLES, padded, reference_arrays, reference_variables, require_answers
 
 
 def problem_checksum(problem: ContactProblem) -> str:
