@@ -202,8 +202,7 @@ class MeshCycle:
             options |= {"edge_contact": edge_contact, "solver": solver, "progress": progress}
             contact = self.supported(load, supports, **options)
             return contact.loaded, contact.cases
-        cycle_solver = CycleSolver(self.ratio, edge_contact, solver, options, progress, greater)
-        return cycle_solver.loaded(self.segments, load)
+        return CycleSolver(self.ratio, edge_contact, solver, options, progress, greater).loaded(self.segments, load)
 
     def supported(
         self,
@@ -320,8 +319,7 @@ class MeshCycle:
         return self._divided(count=whole("segments_per_line", segments_per_line, 1))
 
     def _divided(self, **changed: Any) -> MeshCycle:
-        on_lines = replace(self.segments.on_lines, **changed)
-        return replace(self, segments=replace(self.segments, on_lines=on_lines))
+        return replace(self, segments=replace(self.segments, on_lines=replace(self.segments.on_lines, **changed)))
 
 
 def _check_options(edge_contact: bool, progress: Callable[[], None] | None, greater: Sequence[LoadedCase]) -> None:

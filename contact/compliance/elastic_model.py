@@ -60,8 +60,7 @@ class BodyCoupling:
         root = self._root(tuple(int(pair) for pair in pairs))
         on_root = np.concatenate([loads[rows] @ pair_root for rows, pair_root in zip(segments, root, strict=True)])
         values, vectors = np.linalg.eigh(on_root.T @ on_root)
-        kept = values > DROPPED_SHARE * values[-1]
-        return SharedModes(loads, root @ vectors[:, kept])
+        return SharedModes(loads, root @ vectors[:, values > DROPPED_SHARE * values[-1]])
 
     def _root(self, pairs: tuple[int, ...]) -> Array:
         """Y (p, q, r) such that the compliance between the modes of tooth pairs is Y Y^T."""

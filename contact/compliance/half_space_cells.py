@@ -75,8 +75,7 @@ class HalfSpaceCompliance(LinearOperator):
 
     def _matvec(self, force: Array) -> Array:
         """Deflections (n) [mm] under forces (n) [N]."""
-        grid = np.asarray(force, dtype=np.float64).reshape(self.cells)
-        turned = rfft2(grid, self._padded)
+        turned = rfft2(np.asarray(force, dtype=np.float64).reshape(self.cells), self._padded)
         turned *= self._transfer
         deflection = irfft2(turned, self._padded, overwrite_x=True)[: self.cells[0], : self.cells[1]]
         return np.asarray(deflection).ravel()

@@ -74,9 +74,7 @@ def legendre(relative: Array, count: int, *, order: int = 0) -> Array:
     return values
 
 
-def rooted_polynomials(
-    relative: Array, count: int, root_power: int, *, order: int = 0, family: PolynomialFamily = legendre
-) -> Array:
+def rooted_polynomials(relative: Array, count: int, root_power: int, order: int, family: PolynomialFamily) -> Array:
     """Polynomials times a power of the relative height, and their derivatives (order + 1, ..., count).
 
     ``root_power`` 0 leaves the root free, 1 pins the function there, 2 clamps it (value and slope vanish).
@@ -122,7 +120,7 @@ class TrialFunctions:
     def over_height(self, x: Array, root_power: int, order: int = 0) -> Array:
         """Height functions and their derivatives d/dx [1/mm per order], (order + 1, *x.shape, height_count)."""
         relative = x / self.reference_height
-        functions = rooted_polynomials(relative, self.height_count, root_power, order=order, family=self.family)
+        functions = rooted_polynomials(relative, self.height_count, root_power, order, self.family)
         for derivative in range(1, order + 1):
             functions[derivative] /= self.reference_height**derivative
         return functions
@@ -332,9 +330,8 @@ class Shell:
 
     def stiffness(self) -> Array:
         """Ritz stiffness matrix, shape (n_dof, n_dof) [N/mm]; assembled anew, for inspection and checks."""
-        return stiffness_matrix(
-            self.dimensions, self.material, self.kinematics, self.functions, self.shear_factor, self.foundation
-        )
+        parts = self.dimensions, self.material, self.kinematics, self.functions
+        return stiffness_matrix(*parts, self.shear_factor, self.foundation)
 
     def load_vectors(
         self,

@@ -89,8 +89,7 @@ class BendingSlopes:
             for number, one in enumerate(pairs):
                 rows, start = np.flatnonzero(pair == one), 0
                 for member in self.members:
-                    size = member.loads.shape[1] - member.own
-                    columns = slice(start, start := start + size)
+                    columns = slice(start, start := start + member.loads.shape[1] - member.own)
                     held_amplitude = np.concatenate([np.zeros(member.own), answer[number, columns]])
                     result[rows] += self._moved(member, chosen[rows], held_amplitude)
                     result[rows] += member.loads[chosen[rows], member.own :] @ answer_change[number, columns]

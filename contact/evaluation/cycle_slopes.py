@@ -256,8 +256,7 @@ def root_stress_slopes(
             on_nodes = np.zeros((tooth.flank.profile.size, pairs.size))
             np.add.at(on_nodes, (nodes, column[:, None]), shares * force[:, None])
             gradient = tooth.root.gradients(on_nodes)
-            response = np.sum(shares * gradient[nodes, column[:, None]], axis=1)
-            by_segment = response[:, None] * one.force
+            by_segment = np.sum(shares * gradient[nodes, column[:, None]], axis=1)[:, None] * one.force
             for axis, step in enumerate(POINT_STEP * np.eye(2)[:, :, None]):
                 ahead, behind = (_responses(grid, at, gradient, column) for at in (points + step, points - step))
                 by_segment += ((ahead - behind) / (2.0 * POINT_STEP) * force)[:, None] * motion[axis]
@@ -317,8 +316,7 @@ class CycleSlopes:
         bends = {name: ordered(ease_off, name, *_GRID) for name in ("separation_curvature", "separation_skew")}
         directions = FieldDirections.of(cycle.fields, bends, nodes)
         edges = any(np.any(np.isfinite(case.segments.line_contact.overhang)) for case in cases)
-        pieces = EdgePieces.of(cases) if edges else None
-        slopes = SegmentSlopes.of(cycle.segments, directions, pieces)
+        slopes = SegmentSlopes.of(cycle.segments, directions, EdgePieces.of(cases) if edges else None)
         derivatives = case_slopes(slopes, BendingSlopes.of(directions, slopes), cases, 1e3 * cycle.ratio)
         return cls(cycle, tuple(settings), nodes, directions, derivatives)
 
@@ -343,11 +341,7 @@ class CycleSlopes:
 
 
 def cycle_values(
-    cycle: MeshCycle,
-    loaded: xr.Dataset,
-    cases: Sequence[LoadedCase],
-    roots: Teeth | None = None,
-    unloaded: UnloadedSlopes | None = None,
+    cycle: MeshCycle, loaded: xr.Dataset, cases: list[LoadedCase], roots: Teeth | None, unloaded: UnloadedSlopes | None
 ) -> xr.Dataset:
     """Values of the variables that ``CycleSlopes`` differentiates; the unloaded error only with ``unloaded``."""
     ease_off = cycle.geometry.ease_off
@@ -359,6 +353,6 @@ def cycle_values(
     coords["member"] = list(MEMBERS)
     coords |= {name: ease_off[name] for name in _GRID}
     if roots is not None:
-        stress = root_stress(cycle.fields, roots, list(cases), loaded)
+        stress = root_stress(cycle.fields, roots, cases, loaded)
         values |= {name: stress[name] for name in OF_ROOTS}
     return labelled(xr.Dataset(values, coords=coords).drop_attrs(deep=False))

@@ -174,8 +174,7 @@ def surface(steps: dict[int, list[Line]]) -> PressureMap:
         # Each part meets its neighbour of the next step, or comes to a point before the next line that is not loaded.
         ahead, behind = list(parts.get(step + 1, [])), list(parts.get(step - 1, []))
         for part, start in step_parts:
-            near = _nearest(part, [other for other, _ in ahead])
-            if near is not None:
+            if (near := _nearest(part, [other for other, _ in ahead])) is not None:
                 pairs.append((part, start, *ahead.pop(near)))
         for side, neighbours in ((1, parts.get(step + 1, [])), (-1, behind)):
             if neighbours or step + side not in steps:

@@ -161,8 +161,7 @@ def continue_path(
             path.failure = str(error)
             return None
 
-    first = node(low, None)
-    if first is None:
+    if (first := node(low, None)) is None:
         return path
     path.nodes.append(first)
     carried = first.solution.active
@@ -234,8 +233,7 @@ def _reach(
             place = left.torque + 0.5 * width
         if divisions > MAX_DIVISIONS or not left.torque < place < right.torque:
             return False
-        between = node(place, _foretold(left, place))
-        if between is None:
+        if (between := node(place, _foretold(left, place))) is None:
             return False
         waiting.append(between)
     return True

@@ -61,15 +61,12 @@ class LineContact(Protocol):
 
     def deflection(self, force: Array) -> Array:
         """Return delta [mm]."""
-        ...
 
     def secant(self, force: Array) -> Array:
         """Return delta / F [mm/N], finite also at zero force."""
-        ...
 
     def tangent(self, force: Array) -> Array:
         """Return d delta / dF [mm/N], positive."""
-        ...
 
 
 class NativeStep:
@@ -128,11 +125,8 @@ class NewtonIteration:
     ) -> None:
         self._bending, self._scaling, self._line_contact, self.step = bending, scaling, line_contact, step
         self._separation = bending.separation_at_first_contact
-        self.count = 0
-        self.message = ""
-        self.force = np.zeros(bending.size)
-        self.rotation = 0.0  # beyond first contact
-        self.residual = np.inf
+        self.count, self.message = 0, ""
+        self.force, self.rotation, self.residual = np.zeros(bending.size), 0.0, np.inf  # rotation beyond first contact
 
     def run(self, start: Array | None, linear: ContactProblem) -> Status | None:
         """Iterate until the residual is rounding or falls no further; return a status if a linear problem fails."""
@@ -255,8 +249,7 @@ def solve_on_bending(
 
     step = NativeStep(linear, bending, settings) if solver.is_native else BackendStep(bending, solver, polish, settings)
     iteration = NewtonIteration(bending, linear.scaling, line_contact, step)
-    status = iteration.run(start, linear)
-    if status is not None:
+    if (status := iteration.run(start, linear)) is not None:
         return _failed(bending, status, name, iteration.message, iteration.count), linear
     force, method, count = iteration.force, step.method, iteration.count
     try:

@@ -243,8 +243,7 @@ def conjugate_points(splines: FlankSplines, nodes: Array, near: Array | None = N
     """Points (2, k) on the gear conjugate to those of the pinion, searched from ``near`` where known; NaN if none."""
     points = _searched_opposite(splines, nodes, _nearest_of_lattice(splines, nodes) if near is None else near)
     there = np.stack(list(splines.evaluate(list(PINION_FRACTIONS), points).values()))
-    matches = np.max(np.abs(nodes - there), axis=0) < POSITION_TOLERANCE
-    return np.where(matches, points, np.nan)
+    return np.where(np.max(np.abs(nodes - there), axis=0) < POSITION_TOLERANCE, points, np.nan)
 
 
 def pinion_points(splines: FlankSplines, points: Array, rotations: Array) -> Array:

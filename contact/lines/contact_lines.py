@@ -222,8 +222,7 @@ def _crossing(splines: FlankSplines, level: Array, points: Array, rows: Integers
 
     def distance(parameter: Array) -> Array:
         place = between_points(points, rows[cut], parameter[:, None])
-        sample = onto_level(splines, place, level[rows[cut]][:, None], steps=1)
-        return boundary_distance(splines, sample)[:, 0]
+        return boundary_distance(splines, onto_level(splines, place, level[rows[cut]][:, None], steps=1))[:, 0]
 
     if np.any(cut):
         a, b = inside[cut], outside[cut]

@@ -79,9 +79,7 @@ class MeshEdges:
     pair: Integers
 
 
-def edges_in_mesh(
-    splines: FlankSplines, mesh: MeshLines, widest: Array, edges: Sequence[FlankEdge] | None = None
-) -> MeshEdges:
+def edges_in_mesh(splines: FlankSplines, mesh: MeshLines, widest: Array, edges: Sequence[FlankEdge]) -> MeshEdges:
     """Pieces of the edges of every tooth pair that may touch, over a mesh cycle.
 
     By position, nothing touches above the gap ``widest`` as a gear rotation [rad]; a pair before the first and one
@@ -123,14 +121,11 @@ def _at(values: Around, chosen: NDArray[Any] | slice) -> Around:
     return type(values)(*(getattr(values, field.name)[..., chosen] for field in dataclass_fields(values)))
 
 
-def edge_elements(
-    splines: FlankSplines, rotations: Array, widest: Array, edges: Sequence[FlankEdge] | None = None
-) -> EdgeElements:
+def edge_elements(splines: FlankSplines, rotations: Array, widest: Array, edges: Sequence[FlankEdge]) -> EdgeElements:
     """Pieces of one tooth pair's edges that may touch at pinion rotations (q) [rad] counted as the roll angle.
 
     Nothing touches above the gap ``widest`` (q), as a gear rotation [rad].
     """
-    edges = edges or flank_edges(splines)
     near = [_near_elements(edge, rotations, widest) for edge in edges]
     edge = np.repeat(np.arange(len(edges)), [row.size for row, _ in near])
     rows, element = (np.concatenate(values) for values in zip(*near, strict=True))

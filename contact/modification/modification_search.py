@@ -145,8 +145,7 @@ def optimal_modification(
         back = improved(detour.loads, goal, coefficients=detour.coefficients)
         searches.append(back)
         steps += [replace(step, search="tighter_limit") for step in (*detour.steps, *back.steps)]
-    best = min(searches, key=lambda end: end.value.merit)
-    return replace(best, steps=tuple(steps))
+    return replace(min(searches, key=lambda end: end.value.merit), steps=tuple(steps))
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,8 +57,7 @@ def lemke(matrix: Array, vector: Array, max_pivots: int = 10_000, time_limit: fl
         if leaving == artificial:
             return LemkeResult(_solution(matrix, vector, basis, tableau[:, -1]), pivots, "solved")
         entering = leaving + size if leaving < size else leaving - size
-        chosen = _leaving_row(tableau, entering, basis == artificial)
-        if chosen is None:
+        if (chosen := _leaving_row(tableau, entering, basis == artificial)) is None:
             return LemkeResult(np.full(size, np.nan), pivots, "ray")
         row = chosen
     return LemkeResult(np.full(size, np.nan), max_pivots, "pivot limit")

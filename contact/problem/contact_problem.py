@@ -239,8 +239,7 @@ class ContactProblem:
 
     def with_torque(self, torque: float) -> ContactProblem:
         """Return the same segments under another torque [N mm]; what is known of the compliance is kept."""
-        moment = float(array("torque", torque, "N mm", ndim=0, least=0.0))
-        return self._changed(moment, self.compliance_matrix)
+        return self._changed(float(array("torque", torque, "N mm", ndim=0, least=0.0)), self.compliance_matrix)
 
     def _changed(self, torque: float, matrix: ComplianceMatrix) -> ContactProblem:
         """The same segments under another torque or with another compliance, both checked already."""

@@ -280,9 +280,7 @@ class Scaling(Units):
 
 def power_of_two(value: float) -> float:
     """Return the power of two nearest to a positive number in ratio; 1 if it is zero or not finite."""
-    if not (0.0 < value < math.inf):
-        return 1.0
-    return math.ldexp(1.0, round(math.log2(value)))
+    return math.ldexp(1.0, round(math.log2(value))) if 0.0 < value < math.inf else 1.0
 
 
 def _winkler_stiffness(compliance: ComplianceMatrix) -> Array:

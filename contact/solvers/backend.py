@@ -163,8 +163,7 @@ def read_answer(
     multipliers = solution.z_box
     gap = None if multipliers is None or len(multipliers) != unknowns.size else -np.asarray(multipliers)[bounded]
     claim = None if solution.found else suspicion
-    times = solution.extras.get(CALL_TIMES)
-    return ScaledAnswer(unknowns[bounded], rotation, iterations, message, claim, gap, times)
+    return ScaledAnswer(unknowns[bounded], rotation, iterations, message, claim, gap, solution.extras.get(CALL_TIMES))
 
 
 def refuse_unknown(name: str, settings: Mapping[str, Any]) -> None:

@@ -48,9 +48,7 @@ STEP_LIMIT_FACTOR, LEAST_STEP_LIMIT = 20.0, 2000
 RENEWAL_INTERVAL = 50
 
 
-def projected_conjugate_gradients(
-    problem: ScaledProblem, active: Bools, budget: StepBudget = UNLIMITED
-) -> ScaledAnswer | None:
+def projected_conjugate_gradients(problem: ScaledProblem, active: Bools, budget: StepBudget) -> ScaledAnswer | None:
     """Solve a scaled contact problem by products with its compliance; None without torque."""
     arm, separation, torque = problem.lever_arm, problem.separation, problem.torque
     if not torque > 0.0:
@@ -127,8 +125,7 @@ def _gaps(rigid: Array, arm: Array, loaded: Bools) -> tuple[float, Array]:
 
 def _settled(gap: Array, loaded: Bools, scale: float) -> bool:
     """True if the loaded segments touch and no other is penetrated."""
-    worst = max(float(np.abs(gap[loaded]).max()), -float(gap.min()))
-    return worst <= GAP_TOLERANCE * scale
+    return max(float(np.abs(gap[loaded]).max()), -float(gap.min())) <= GAP_TOLERANCE * scale
 
 
 Answers = Iterator[ScaledAnswer | None]
@@ -185,8 +182,7 @@ def answers(
     for method in _cascade(problem) if chosen == "cascade" else (chosen,):
         if budget.met is not None:
             return
-        answer = METHODS[method][1](problem, active, budget)
-        if answer is not None:
+        if (answer := METHODS[method][1](problem, active, budget)) is not None:
             yield method, answer
         if method == "primal_active_set" and budget.met is None:
             for better in filter(None, _anew(problem, active, budget, answer)):

@@ -60,8 +60,7 @@ def polished_answer(
         original = unscaled(problem, answer.force, answer.rotation)
         if not original.certificate.passes(rule.roughest):
             return Polish(original, False, 0)
-    exact = exact_answer(scaled, answer, rule.exchanges)
-    if exact is not None:
+    if (exact := exact_answer(scaled, answer, rule.exchanges)) is not None:
         better = unscaled(problem, exact.force, exact.rotation)
         if better.certificate.passes(EXACT_TOLERANCE):
             return Polish(better, True, exact.iterations - 1)

@@ -107,9 +107,7 @@ GAP_TOLERANCE, RELAXED_GAP_TOLERANCE = 1e-13, 1e-11
 STALLED_STEPS, SMALLEST_STEP = 20, 1e-12
 
 
-def primal_active_set(
-    problem: ScaledProblem, start: Bools | None = None, budget: StepBudget = UNLIMITED
-) -> ScaledAnswer | None:
+def primal_active_set(problem: ScaledProblem, start: Bools, budget: StepBudget) -> ScaledAnswer | None:
     """Solve the scaled problem by feasible descent; None if it did not end, or the energy has no minimum.
 
     The start (n) is loaded equally, where lever arms are positive; no load without a torque. Iterations are linear
@@ -172,10 +170,10 @@ def primal_active_set(
     return None
 
 
-def _start(problem: ScaledProblem, start: Bools | None) -> tuple[DenseTouching, Array]:
+def _start(problem: ScaledProblem, start: Bools) -> tuple[DenseTouching, Array]:
     """Touching segments whose forces are unique, and equal forces of them (n); no forces without a torque."""
     loaded = np.zeros(problem.lever_arm.size, dtype=np.bool_)
-    if start is not None and problem.torque > 0.0:
+    if problem.torque > 0.0:
         loaded |= start & (problem.lever_arm > 0.0)
     index = np.flatnonzero(loaded)
     block, arm = problem.compliance[np.ix_(index, index)], problem.lever_arm[index]

@@ -189,8 +189,7 @@ def _solve_rows(problem: ContactProblem, separation: ArrayLike | None, torque: A
     force, gap = np.full((2, count, problem.size), np.nan)
     numbers, status = np.full((count, 7), np.nan), np.full(count, Status.NOT_CONVERGED, dtype=np.int8)
     steps, proved = np.full(count, -1), np.zeros(count, dtype=np.bool_)
-    together = linear_answers(problem, gaps, moments)
-    if together is not None:
+    if (together := linear_answers(problem, gaps, moments)) is not None:
         force, gap, numbers, ended = together
         violations, resolution, numbers = numbers[:, 2:7], numbers[:, 7], numbers[:, :7]
         steps = ended[:, 0].copy()

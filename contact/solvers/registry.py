@@ -78,8 +78,7 @@ def chosen_solver(solver: SolverChoice) -> ChosenSolver:
         return solver
     if isinstance(solver, str) and solver in _NATIVE:
         return _NATIVE[solver]
-    declared = declared_solver(solver)
-    if declared is not None:
+    if (declared := declared_solver(solver)) is not None:
         return ChosenSolver(declared.name, declared, solver if isinstance(solver, str) else declared.name)
     name = str(solver)
     if name not in SOLVERS:
@@ -340,11 +339,8 @@ def _is_definite(matrix: Array) -> bool:
 
 def _is_installed(name: str) -> bool:
     package = SOLVERS[name].package
-    if not package:
-        return True
-    if package != "cvxpy" and importlib.util.find_spec("qpsolvers") is None:
-        return False
-    return importlib.util.find_spec(package) is not None
+    needed = [package] if package in ("", "cvxpy") else ["qpsolvers", package]
+    return all(not one or importlib.util.find_spec(one) is not None for one in needed)
 
 
 def as_mask(active: ArrayLike, size: int) -> Bools:

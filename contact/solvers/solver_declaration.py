@@ -39,8 +39,8 @@ from .solver_table import SOLVERS, SolverSettings
 
 def own_answer(returned: Any, problem: ScaledProblem, form: str, posed: Any) -> ScaledAnswer:
     """Answer of a function of one's own: a `qpsolvers.Solution`, a `ScaledAnswer`, or unknowns and rotation or not."""
+    size = problem.separation.size
     if isinstance(returned, ScaledAnswer):
-        size = problem.separation.size
         force = _numbers(returned.force, "forces", (size,))
         turned = _rotation(returned.rotation, problem, force)
         gap = None if returned.gap is None else _numbers(returned.gap, "gaps", (size,))
@@ -60,7 +60,6 @@ def own_answer(returned: Any, problem: ScaledProblem, form: str, posed: Any) -> 
         returned, rotation = returned
     if form == "lcp" and rotation is not None:
         raise _refused("it returned two values: must be z alone for the form lcp, which has the rotation in it")
-    size = problem.separation.size
     unknowns = _numbers(returned, "unknowns", (size,), *([(posed.q.size,)] if form == "lifted" else ()))
     if form == "lcp":
         return ScaledAnswer(*forces_and_rotation(problem, posed.eliminated, unknowns), -1)
@@ -78,8 +77,7 @@ def _of_solution(returned: Any, problem: ScaledProblem, posed: Any) -> ScaledAns
     if multiplier is not None and math.isfinite(multiplier):
         return read_answer(returned, iterations=int(iterations))
     force = unknowns[: problem.separation.size].copy()
-    claim = None if returned.found else Status.SOLVER_FAILED
-    words = "found" if returned.found else "not found"
+    words, claim = ("found", None) if returned.found else ("not found", Status.SOLVER_FAILED)
     return ScaledAnswer(force, _rotation(None, problem, force), int(iterations), words, claim)
 
 
@@ -113,8 +111,7 @@ def _numbers(returned: Any, what: str, *shapes: tuple[int, ...]) -> Array:
         wanted = " or ".join(map(str, sorted(set(shapes))))
         raise _refused(f"it returned {what} of the shape {entries.shape}: must have {wanted}")
     numbers = entries.astype(np.float64)
-    wrong = np.count_nonzero(~np.isfinite(numbers))
-    if wrong:
+    if wrong := np.count_nonzero(~np.isfinite(numbers)):
         raise _refused(f"{wrong} of {numbers.size} {what} are not finite")
     return numbers
 

@@ -76,8 +76,7 @@ def backend_keywords(name: str, limits: Limits, settings: Mapping[str, Any]) -> 
             able = ", ".join(other for other, facts in SOLVERS.items() if getattr(facts, setting))
             raise InputError(f"{word} = {value}: must not be given for {name}, which has none; {able} have one")
         limit_keywords[key] = min(max(value, OWN_TIME_RANGE[0]), OWN_TIME_RANGE[1]) if word == "time_limit" else value
-    twice = sorted(set(limit_keywords) & set(settings))
-    if twice:
+    if twice := sorted(set(limit_keywords) & set(settings)):
         raise InputError(
             f"{twice[0]} = {settings[twice[0]]}: must not be given beside tolerance, time_limit and max_iterations, "
             "which set it"

@@ -195,8 +195,7 @@ def solve_active_set(problem: ScaledProblem, index: Integers) -> ActiveSetPoint 
     None where the block has no Cholesky factor even with a shift (C is not positive semidefinite) or overflows.
     """
     rows = problem.compliance[index]
-    factor = TouchingFactor.of(rows[:, index], problem.lever_arm[index], shift=True)
-    if factor is None:
+    if (factor := TouchingFactor.of(rows[:, index], problem.lever_arm[index], shift=True)) is None:
         return None
     refinements = SHIFTED_REFINEMENTS if factor.shifted else 1
     point = ActiveSetPoint(problem, index, factor, lambda force: force @ rows, refinements)
@@ -349,10 +348,8 @@ class DenseTouching:
     def _make(self, index: Integers) -> bool:
         """Factorise a set anew, if it is not singular."""
         block, arm = self._compliance[np.ix_(index, index)], self._arm[index]
-        factor = TouchingFactor.of(block, arm)
-        if factor is None:
-            inverse = _inverse_of_border(block, arm)
-            if inverse is None:
+        if (factor := TouchingFactor.of(block, arm)) is None:
+            if (inverse := _inverse_of_border(block, arm)) is None:
                 return False
             self._known = inverse
         self._index, self._factor, self._updates = index, factor, 0
@@ -477,8 +474,7 @@ def solve_modal_active_set(modal: ModalProblem, index: Integers) -> ActiveSetPoi
             point = _refined(modal, index, bordered, REFINEMENTS) if bordered.is_regular else None
             if _is_solved(point, modal.problem.separation) or index.size > LARGEST_BLOCK:
                 return point
-        factor = _block_factor(modal, index)
-        if factor is None:
+        if (factor := _block_factor(modal, index)) is None:
             return None
         return _refined(modal, index, factor, SHIFTED_REFINEMENTS if factor.shifted else REFINEMENTS)
 

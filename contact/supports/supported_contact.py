@@ -385,8 +385,7 @@ class SupportedContact:
     def loaded(self) -> xr.Dataset:
         """The group ``/loaded``; its transmission error leaves out ``support_rotation``."""
         segments = [position_segments for one in self.rounds for position_segments in one.found.segments]
-        rotations = self.pair.cycle.lines.rotations
-        dataset = loaded_dataset(segments, self.cases, self.torques, rotations)
+        dataset = loaded_dataset(segments, self.cases, self.torques, self.pair.cycle.lines.rotations)
         numbers = rotation_numbers(1e6 * self.transmission_error)
         return dataset.assign({name: (dims, values, dataset[name].attrs) for name, (dims, values) in numbers.items()})
 

@@ -79,7 +79,7 @@ class Analyses:
     def numbers(self, cycle: MeshCycle) -> tuple[xr.Dataset, list[Array]]:
         """Their values, and what touches in every case."""
         loaded, cases = cycle.loaded(self.torques, edge_contact=self.edges)
-        values = cycle_values(cycle, loaded, cases, self.roots).drop_vars("tooth_thickness")
+        values = cycle_values(cycle, loaded, cases, self.roots, None).drop_vars("tooth_thickness")
         losses = loss_values(cycle, loaded, OPERATION, FrictionModel())
         ordered = sorted(cases, key=lambda one: (one.torque, one.mesh_position))
         return values.merge(losses, compat="override"), [touching(one) for one in ordered]

@@ -33,8 +33,7 @@ CODE = ("geometry", "contact/compliance")
 
 def cache_folder() -> Path | None:
     """Folder of the arrays: ``EASEOFF_CACHE``, else the user's cache folder; ``None`` if that variable is empty."""
-    named = os.environ.get(FOLDER_VARIABLE)
-    if named is not None:
+    if (named := os.environ.get(FOLDER_VARIABLE)) is not None:
         return Path(named) if named else None
     return Path(platformdirs.user_cache_dir("easeoff", appauthor=False))
 
@@ -92,12 +91,10 @@ def kept(key: str, shapes: Shapes, make: Callable[[], Mapping[str, Array]]) -> d
     A file that is damaged or of another key is replaced; beyond ``FOLDER_SIZE_LIMIT`` bytes the longest unused are
     deleted; a file that cannot be written gives a warning only.
     """
-    folder = cache_folder()
-    if folder is None:
+    if (folder := cache_folder()) is None:
         return dict(make())
     path = folder / f"{key}.npz"
-    stored = _read(path, key, shapes)
-    if stored is not None:
+    if (stored := _read(path, key, shapes)) is not None:
         return stored
     arrays = dict(make())
     with contextlib.suppress(OSError):  # of another user, in a folder where it can be removed

@@ -118,9 +118,8 @@ def _stiffness(nodes: Array, fractions: tuple[Array, Array, Array], counts: Coun
 
 def tooth_shape(nodes: Array, fractions: tuple[Array, Array, Array], limits: Counts = SHAPE_POLYNOMIAL_LIMITS) -> Array:
     """Legendre series (a, b, c, 3) of a tooth's points, from its nodes (l, t, u, 3) at fractions from 0 to 1."""
-    inverses = []
-    for fraction, most in zip(fractions, limits, strict=True):
-        inverses.append(np.linalg.pinv(legendre(fraction, min(most, fraction.size))[0]))
+    parts = zip(fractions, limits, strict=True)
+    inverses = [np.linalg.pinv(legendre(fraction, min(most, fraction.size))[0]) for fraction, most in parts]
     return np.asarray(np.einsum("ai,bj,ck,ijkx->abcx", *inverses, nodes, optimize=True))
 
 
@@ -231,8 +230,7 @@ def finite_element_tooth(
     )
     reason = _sharp_root(pair, member)
     root = None if reason else StressResponse(arrays["stations"], arrays["stress"])
-    flank = _flank(arrays, pair, member, material, body, key)
-    return FiniteElementTooth(flank, root, reason)
+    return FiniteElementTooth(_flank(arrays, pair, member, material, body, key), root, reason)
 
 
 def _sharp_root(pair: GearPair, member: MemberName) -> str:

@@ -71,8 +71,7 @@ class FlankCompliance:
 
         nodes, shares = flank_shares(self.lengthwise, self.profile, np.reshape(points, (2, -1)))
         shares = shares * np.tile(weights, points.shape[1])[:, None]
-        per_segment = weights.size * shares.shape[1]
-        starts = np.arange(points.shape[1] + 1) * per_segment
+        starts = np.arange(points.shape[1] + 1) * (weights.size * shares.shape[1])
         loads = csr_array((shares.ravel(), nodes.ravel(), starts), shape=(points.shape[1], self.profile.size))
         loads.sum_duplicates()  # the points of a segment share most of their nodes
         both = np.asarray(loads @ self._by_node)
@@ -101,8 +100,7 @@ def flank_shares(lengthwise: Array, profile: Array, points: Array) -> tuple[Inte
     wanted = np.clip(points[1], heights[:, 0], heights[:, -1])
     brick = np.clip(np.sum(heights[:, ::2] <= wanted[:, None], axis=1) - 1, 0, (rows - 3) // 2)
     levels = 2 * brick[:, None] + np.arange(3)
-    three = np.take_along_axis(heights, levels, axis=1)
-    low, middle, high = three.T
+    low, middle, high = np.take_along_axis(heights, levels, axis=1).T
     rise, bend, above = 0.5 * (high - low), 0.5 * (high + low) - middle, wanted - middle
     shares = quadratic(2.0 * above / (rise + np.sqrt(rise * rise + 4.0 * bend * above)))[0]
     nodes = sections[:, :, None] * rows + levels[:, None, :]
@@ -261,8 +259,7 @@ def stress_functionals(lattice: ToothLattice, material: Material) -> tuple[csc_a
         far = np.array([np.flatnonzero(np.all(np.isclose(points, m), axis=1))[0] for m in mirrored])
         beyond = (1.0 - depth) / (2.0 * depth)
         slope = (1.0 + beyond) * spatial[:, near] - beyond * spatial[:, far]  # (m, 4, 27, 3)
-        sections = flat // per_section
-        stations.append(np.einsum("na,ma->mn", values[near], lattice.lengthwise[sections]))
+        stations.append(np.einsum("na,ma->mn", values[near], lattice.lengthwise[flat // per_section]))
         columns.append((np.broadcast_to(flat[:, None], slope.shape[:3]), slope))
     station = np.concatenate([s.ravel() for s in stations])
     nodes = np.concatenate([c[0].reshape(-1, 27) for c in columns])

@@ -317,8 +317,7 @@ def _contact_problem(arrays: dict[str, NDArray[Any]]) -> tuple[ContactProblem, A
 
 def _normal(matrix: Any, directions: int) -> Array:
     """Entries of the normal directions as a full matrix."""
-    rows = matrix.tocsr()[::directions]
-    return np.asarray(rows.tocsc()[:, ::directions].toarray(), dtype=np.float64)
+    return np.asarray(matrix.tocsr()[::directions].tocsc()[:, ::directions].toarray(), dtype=np.float64)
 
 
 def _matrix(arrays: dict[str, NDArray[Any]], name: str) -> Any:

@@ -330,8 +330,7 @@ def write_problems(
     for name, values in labels.items():
         described = values.attrs if isinstance(values, xr.DataArray) else None
         dataset.coords[name] = ("problem", _label(name, values, len(problems)), described)
-    taken = sorted(set(attributes) & set(dataset.attrs))
-    if taken:
+    if taken := sorted(set(attributes) & set(dataset.attrs)):
         raise InputError(f"attribute = {taken[0]!r}: must be another name, the file has an attribute of this one")
     dataset.attrs.update(attributes)
     encoding: dict[str, dict[str, Any]] = {

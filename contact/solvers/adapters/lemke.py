@@ -16,8 +16,7 @@ from ..solver_table import SOLVERS
 
 def solve_scaled(problem: ScaledProblem, settings: Mapping[str, Any]) -> ScaledAnswer:
     """Solve the scaled problem; the settings are ``max_pivots`` and ``time_limit`` [s]."""
-    unknown = sorted(set(settings) - {"max_pivots", "time_limit"})
-    if unknown:
+    if unknown := sorted(set(settings) - {"max_pivots", "time_limit"}):
         raise InputError(f"settings = {', '.join(unknown)}: must be max_pivots or time_limit, the settings of lemke")
     size, largest = problem.separation.size, SOLVERS["lemke"].largest
     if largest is not None and size > largest:

@@ -269,8 +269,7 @@ class Sensitivity:
         bent = bending_change(self.problem, self.force, local, factor, compliance)
         closing, moment = self.rotation * arm - gap - bent, turn - float(arm @ self.force)
         moving = bool(arm.any() or bent.any())
-        system = self._toward(closing, moment)
-        if system is None:
+        if (system := self._toward(closing, moment)) is None:
             return self._none("no solution in this direction: the bodies part, or the touching segments cannot be told")
         force, rotation, opening = system.solve(closing[:, None], np.array([moment])).column(0)
         energy = float(self._deflection @ force + 0.5 * self.force @ bent)
@@ -327,8 +326,7 @@ class Sensitivity:
         gap, arm, bending = given_arrays
         if self.status is not Differentiability.DIFFERENTIABLE:
             return TouchingAnswer(*(np.full(shape, np.nan) for shape in (wanted, turn.size, wanted)))
-        closing = self.rotation * arm - gap - bending
-        return self._smooth.solve(closing, turn - self.force @ arm)
+        return self._smooth.solve(self.rotation * arm - gap - bending, turn - self.force @ arm)
 
     def adjoint(
         self,

@@ -158,8 +158,7 @@ def _followed(problem: ContactProblem, low: float, high: float) -> FollowedPath:
             path.failure = f"more than {MAX_EVENTS_PER_SEGMENT} events a segment up to {point.torque:.6g} N mm"
             return path
         before, torque = point.active, point.torque + step
-        point = _beyond(problem, point, falling[distance == step], step)
-        if point is None:
+        if (point := _beyond(problem, point, falling[distance == step], step)) is None:
             path.failure = f"the segments that touch beyond {torque:.6g} N mm cannot be told"
             return path
         _note(path, torque, before, point.active)
@@ -388,8 +387,7 @@ class TorquePath(PathOverTorque):
             segment), ``path_rotation`` and ``worst_residual`` (breakpoint) at the torques ``path_torque``
             (breakpoint): between these everything is linear.
         """
-        solutions = [self.at(torque) for torque in self.breakpoints]
-        return self._table(self.problem.size, self.breakpoints, solutions)
+        return self._table(self.problem.size, self.breakpoints, [self.at(torque) for torque in self.breakpoints])
 
     @cached_property
     def _torques(self) -> list[float]:

@@ -429,7 +429,7 @@ def test_five_field_form_is_better_conditioned() -> None:
 def test_derivatives_of_the_trial_functions(family: PolynomialFamily, root_power: int) -> None:
     """Against numpy's polynomial algebra, values and two derivatives."""
     s = np.linspace(-0.1, 1.2, 7)
-    values = rooted_polynomials(s, 5, root_power, order=2, family=family)
+    values = rooted_polynomials(s, 5, root_power, 2, family)
     for degree in range(5):
         base = np.polynomial.Polynomial.basis(degree)
         if family is legendre:

@@ -27,6 +27,7 @@ from easeoff.contact.lines.mesh_edges import (
     edge_distance,
     edge_elements,
     edges_in_mesh,
+    flank_edges,
     line_rotations,
     lines_to_edges,
 )
@@ -64,7 +65,8 @@ def found(name: str) -> tuple[np.ndarray, EdgeElements]:
     _, _, mesh = prepared(name)
     pairs = np.arange(mesh.pair.min() - 1, mesh.pair.max() + 2)
     rotations = (mesh.rotations[:, None] - pairs * mesh.pinion_pitch).ravel()
-    return rotations, edge_elements(prepared(name)[1], rotations, np.full(rotations.size, WIDEST))
+    fields = prepared(name)[1]
+    return rotations, edge_elements(fields, rotations, np.full(rotations.size, WIDEST), flank_edges(fields))
 
 
 @cache
@@ -157,7 +159,7 @@ def test_a_force_on_the_tip_of_the_pinion_bends_its_tooth_at_the_tip() -> None:
 def test_edges_begin_where_contact_lines_end() -> None:
     """Next to both ends of every line on the flank there is an edge with the gap of the line's end."""
     _, fields, mesh = prepared("fh-12x41-45")
-    edges = edges_in_mesh(fields, mesh, np.full(mesh.rotations.size, WIDEST))
+    edges = edges_in_mesh(fields, mesh, np.full(mesh.rotations.size, WIDEST), flank_edges(fields))
     position = fields("position", edges.elements.points)
     checked = 0
     for m in range(mesh.pair.size):
@@ -188,7 +190,7 @@ def test_finer_elements_change_little(monkeypatch: pytest.MonkeyPatch) -> None:
     values = {}
     for count in (40, 80, 640):
         monkeypatch.setattr("easeoff.contact.lines.mesh_edges.ELEMENTS_PER_EDGE", count)
-        values[count] = overlap(edge_elements(fields, rotations, widest))
+        values[count] = overlap(edge_elements(fields, rotations, widest, flank_edges(fields)))
     errors = {count: abs(value / values[640] - 1.0) for count, value in {**values, 160: overlap(elements)}.items()}
     assert errors[160] < 0.015
     assert errors[160] < 0.6 * errors[80] < 0.6 * errors[40]
@@ -345,7 +347,7 @@ def test_edges_begin_exactly_where_lines_end() -> None:
     On the lines as they are traced some tenths of a millimetre are.
     """
     _, fields, mesh = prepared("nasa-12x36")
-    edges = edges_in_mesh(fields, mesh, np.full(mesh.rotations.size, WIDEST))
+    edges = edges_in_mesh(fields, mesh, np.full(mesh.rotations.size, WIDEST), flank_edges(fields))
     way = [fields("position", np.array([[0.5], [0.5]]), d)[:, 0] for d in ((1, 0), (0, 1))]
     worst = []
     for lines in (mesh, lines_to_edges(fields, mesh)):
