@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, get_args
 
 from ..core.checks import instance, one_of, two_whole
-from ..core.errors import GeometryError, InputError
+from ..core.errors import InputError, errors_about
 from ..geometry.cutting.blade import Blade, BladeSide, Relief
 from ..geometry.cutting.generating_surface import GeneratingSurface, Hand
 from ..geometry.cutting.machine import MachineSettings
@@ -63,7 +63,7 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
             "the fewer teeth"
         )
     values = {key: value for key, value in in_radians(table).items() if not key.endswith("_mean_spiral_angle")}
-    try:
+    with errors_about("[blank_design]"):
         return BlankDesign(
             number_of_teeth=teeth,
             mean_spiral_angle=math.radians(table.mean_spiral_angle),
@@ -71,8 +71,6 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
             hypoid_offset=pair.hypoid_offset,
             **values,
         )
-    except InputError as error:
-        raise InputError(f"[blank_design] {error}") from error
 
 
 def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDimensions:
@@ -91,10 +89,8 @@ def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairT
     instance("table", table, BlankDesignTable)
     instance("pair", pair, PairTable)
     design = blank_design(table, two_whole("teeth", teeth, 1), pair)
-    try:
+    with errors_about("[blank_design]"):
         return blank_dimensions(design)
-    except (InputError, GeometryError) as error:
-        raise type(error)(f"[blank_design] {error}") from error
 
 
 def sections(case: Case) -> tuple[BlankSection, BlankSection]:

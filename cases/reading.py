@@ -15,7 +15,7 @@ from typing import Any, Generic, TypeVar
 from pydantic import ValidationError
 
 from ..core.checks import file_path, instance, truth
-from ..core.errors import EaseoffError, InputError, printable, suggestion
+from ..core.errors import InputError, errors_about, printable, suggestion
 from ..core.regular_file import TOML_SIZE_LIMIT, named, read_text, require_regular, status_of
 from ..core.toml_text import toml_tables
 from .mistakes import refusal
@@ -134,10 +134,8 @@ class FileKind(Generic[Model]):
             model = self.model.model_validate(data, context={"folder": folder, "allow_outside": allow_outside})
         except ValidationError as error:
             raise refusal(origin, self.model, error) from error
-        try:
+        with errors_about(f"{origin}:"):
             _require_possible(model)
-        except EaseoffError as error:
-            raise type(error)(f"{origin}: {error}") from error
         return model
 
 

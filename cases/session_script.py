@@ -21,7 +21,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from ..core.errors import InputError
+from ..core.errors import InputError, errors_about
 from ..core.regular_file import LINE_LENGTH_LIMIT, SCRIPT_SIZE_LIMIT, read_text
 from .reading import check_case
 from .schema.case_schema import Case
@@ -241,7 +241,7 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     """
     settings, unknown = read_settings(path)
     notes = ["clearance is zero: the flanks begin at the root cones"]
-    try:
+    with errors_about(f"{path}:"):
         hand = _hand(settings, notes)
         pinion, gear = (_member(settings, member, hand, notes) for member in ("PINION", "GEAR"))
         data = {
@@ -251,8 +251,6 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
             "pinion": {**pinion, "hand_of_spiral": hand.lower()},
             "gear": gear,
         }
-    except InputError as error:
-        raise InputError(f"{path}: {error}") from error
     return check_case(data, str(path)), notes + [f"not understood: {line}" for line in unknown]
 
 

@@ -18,7 +18,7 @@ from ..contact.supports.shaft import (
 )
 from ..contact.supports.support import LoadedSupports, MemberAxis, Support, Supports, member_axes
 from ..core.checks import instance
-from ..core.errors import InputError
+from ..core.errors import errors_about
 from ..geometry.flanks.blank_section import BlankSection
 from ..geometry.pair.assembly import Assembly
 from ..geometry.tooth.tooth_flanks import MemberName
@@ -68,7 +68,7 @@ def support_system(case: Case) -> LoadedSupports | None:
 
 
 def _housing(table: HousingTable, axes: tuple[MemberAxis, MemberAxis], wind_up: bool) -> Supports:
-    try:
+    with errors_about("[supports.housing]"):
         return Supports.of_matrix(
             (table.pinion_reference, table.gear_reference),
             compliance=table.compliance,
@@ -76,8 +76,6 @@ def _housing(table: HousingTable, axes: tuple[MemberAxis, MemberAxis], wind_up: 
             axes=axes,
             wind_up=wind_up,
         )
-    except InputError as error:
-        raise InputError(f"[supports.housing] {error}") from error
 
 
 def _member(
@@ -91,7 +89,7 @@ def _member(
 ) -> ShaftSupport | Support:
     if table is None:
         return Support.rigid()
-    try:
+    with errors_about(f"[supports.{name}]"):
         if table.shaft is not None:
             middle = blank.points(np.array(0.5), np.array(0.5))
             support = ShaftSupport.of(_shaft(table.shaft, table.bearings, float(middle[0])), assembly, name)
@@ -102,17 +100,13 @@ def _member(
             return Support(table.reference, table.compliance)
         assert table.stiffness is not None
         return Support.of_stiffness(table.reference, table.stiffness, None if wind_up else axis)
-    except InputError as error:
-        raise InputError(f"[supports.{name}] {error}") from error
 
 
 def _shaft(table: ShaftTable, bearings: tuple[BearingTable, ...], reference: float) -> Shaft:
     shaft_sections = []
     for at, section in enumerate(table.sections, start=1):
-        try:
+        with errors_about(f"section {at}:"):
             shaft_sections.append(ShaftSection(**section.model_dump()))
-        except InputError as error:
-            raise InputError(f"section {at}: {error}") from error
     return Shaft(
         tuple(shaft_sections),
         tuple(_bearing(bearing) for bearing in bearings),
@@ -124,14 +118,12 @@ def _shaft(table: ShaftTable, bearings: tuple[BearingTable, ...], reference: flo
 
 
 def _bearing(table: BearingTable) -> Bearing:
-    try:
+    with errors_about(f"bearing {table.name}:"):
         radial, axial, tilting = (
             _stiffness(getattr(table, f"{name}_stiffness"), getattr(table, f"{name}_displacement"))
             for name in ("radial", "axial", "tilting")
         )
         return Bearing(table.name, table.position, radial, axial, tilting)
-    except InputError as error:
-        raise InputError(f"bearing {table.name}: {error}") from error
 
 
 def _stiffness(

@@ -23,7 +23,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 
 from ..core.checks import instance
-from ..core.errors import EaseoffError, InputError, suggestion
+from ..core.errors import InputError, errors_about, suggestion
 from ..core.output_file import check_writable, whole_file
 from ..core.regular_file import TOML_SIZE_LIMIT, read_bytes
 from ..geometry.cutting.blade import Blade
@@ -273,10 +273,8 @@ def changed_case(case: Case, numbers: Mapping[str, float]) -> Case:
     except ValidationError as error:
         raise refusal("the changed case", Case, error) from error
     if new_case.blank_design is not None:
-        try:
+        with errors_about("the changed case:"):
             designed_blanks(
                 new_case.blank_design, (new_case.pinion.number_of_teeth, new_case.gear.number_of_teeth), new_case.pair
             )
-        except EaseoffError as error:
-            raise type(error)(f"the changed case: {error}") from error
     return new_case

@@ -6,13 +6,14 @@ sizes of memory and times are told to two figures.
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import importlib.util
 import re
 import shlex
 import sys
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 VALUE_LENGTH_LIMIT = 120  # of a value in a message [characters]
@@ -90,6 +91,15 @@ class InputError(EaseoffError, ValueError):
     ...     print(error)
     elastic_modulus = -1: must be a finite number above 0 [MPa]
     """
+
+
+@contextlib.contextmanager
+def errors_about(place: str) -> Iterator[None]:
+    """Context whose errors begin with the place that they are about, as ``[pair]`` or the name of a file."""
+    try:
+        yield
+    except EaseoffError as error:
+        raise type(error)(f"{place} {error}") from error
 
 
 class GeometryError(EaseoffError):
