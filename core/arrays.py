@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +20,13 @@ else:
         return lambda made: frozen_arrays(dataclass(**options)(made))
 
 
-__all__ = ["Array", "Bools", "Integers", "RealArray", "record"]
+__all__ = ["Array", "Bools", "Integers", "RealArray", "record", "shared_fields"]
+
+
+def shared_fields(kind: type[Any], *records: Any) -> dict[str, Any]:
+    """Values of those fields of a dataclass that records have under the same name."""
+    return {one.name: getattr(each, one.name) for each in records for one in fields(kind) if hasattr(each, one.name)}
+
 
 #: Of any numbers.
 Array = NDArray[Any]

@@ -17,12 +17,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from typing import get_args
 
 import numpy as np
 
-from ...core.arrays import Array
+from ...core.arrays import Array, shared_fields
 from ...core.checks import instance, number, one_of, positive, truth, whole
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
@@ -53,8 +53,7 @@ def blank_section(member: MemberBlank, clearance: float) -> BlankSection:
     True
     """
     instance("member", member, MemberBlank)
-    shared = {one.name: getattr(member, one.name) for one in fields(BlankSection) if hasattr(member, one.name)}
-    return BlankSection(**shared, clearance=clearance)
+    return BlankSection(**shared_fields(BlankSection, member), clearance=clearance)
 
 
 def formate_gear(

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.arrays import Array
+from ...core.arrays import Array, shared_fields
 from ...core.checks import instance
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface, Hand
@@ -156,27 +156,16 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
     return BlankDimensions(
         pinion=pinion_blank,
         gear=member_blank(gear, mean.module, pressure.mean, -depth.profile_shift_coefficient),
-        shaft_angle=cones.shaft_angle,
-        hypoid_offset=cones.hypoid_offset,
+        **shared_fields(BlankDimensions, cones, pressure, depth),
         gear_ratio=design.number_of_teeth[1] / design.number_of_teeth[0],
-        axial_offset_angle=cones.axial_offset_angle,
-        offset_angle=cones.offset_angle,
         root_offset_angle=pinion_face.offset_angle,
         face_offset_angle=pinion_root.offset_angle,
         pitch_plane_offset=plane_offset,
         mean_normal_module=mean.module,
         outer_transverse_module=mean.outer_module,
-        limit_pressure_angle=pressure.limit,
-        generated_drive_pressure_angle=pressure.generated_drive,
-        generated_coast_pressure_angle=pressure.generated_coast,
-        effective_drive_pressure_angle=pressure.effective_drive,
-        effective_coast_pressure_angle=pressure.effective_coast,
         mean_normal_pressure_angle=pressure.mean,
-        limit_radius_of_curvature=cones.limit_radius_of_curvature,
         tooth_line_radius_of_curvature=crown.mean_radius_of_curvature,
-        face_width_factor=cones.face_width_factor,
         mean_working_depth=depth.working_depth,
-        clearance=depth.clearance,
         mean_whole_depth=depth.working_depth + depth.clearance,
         pinion_whole_depth=_normal_whole_depth(pinion_blank),
         pinion_width_in_pitch_plane=width_in_pitch_plane(cones, mean.gear_inner, mean.gear_outer),
@@ -190,7 +179,6 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
         crown_base_radius=crown.base_radius,
         pinion_width_axial_angle=width.axial_angle,
         pinion_face_contact_width=width.face_contact_width,
-        profile_shift_coefficient=depth.profile_shift_coefficient,
         theoretical_thickness_modification_coefficient=depth.thickness_modification_coefficient,
     )
 
@@ -307,24 +295,24 @@ def angles_of_normal(position: Array, normal: Array, pitch_angle: float, hand: H
 class PressureAngles:
     """Normal pressure angles of both flanks [rad] (formulas 117 to 121 and 201)."""
 
-    limit: float
-    generated_drive: float
-    generated_coast: float
+    limit_pressure_angle: float
+    generated_drive_pressure_angle: float
+    generated_coast_pressure_angle: float
 
     @property
-    def effective_drive(self) -> float:
+    def effective_drive_pressure_angle(self) -> float:
         """Angle against the limit flank, drive side (alpha_eD) [rad]."""
-        return self.generated_drive - self.limit
+        return self.generated_drive_pressure_angle - self.limit_pressure_angle
 
     @property
-    def effective_coast(self) -> float:
+    def effective_coast_pressure_angle(self) -> float:
         """Angle against the limit flank, coast side (alpha_eC) [rad]."""
-        return self.generated_coast + self.limit
+        return self.generated_coast_pressure_angle + self.limit_pressure_angle
 
     @property
     def mean(self) -> float:
         """Mean of both generated angles (alpha_n) [rad]."""
-        return (self.generated_drive + self.generated_coast) / 2.0
+        return (self.generated_drive_pressure_angle + self.generated_coast_pressure_angle) / 2.0
 
 
 @dataclass(frozen=True)

@@ -6,11 +6,11 @@ Tooth proportions of a pair whose basic data are not known: measured on its blan
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.arrays import shared_fields
 from ...core.checks import number
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
@@ -71,16 +71,10 @@ class ToothProportions:
         cls, blank: BlankDimensions, cutter_radius: float, number_of_blade_groups: int = 0, *, generated_gear: bool
     ) -> ToothProportions:
         """Proportions of a pair of blanks, with the suggested allowances and members finished in one cut."""
-        names = [one.name for one in fields(cls)]
-        shared = {name: getattr(blank, name) for name in names if hasattr(blank, name)}
-        of_members: dict[str, Any] = {
-            name: (getattr(blank.pinion, name), getattr(blank.gear, name))
-            for name in names
-            if hasattr(blank.gear, name)
-        }
+        gear = shared_fields(cls, blank.gear)
         return cls(
-            **shared,
-            **of_members,
+            **shared_fields(cls, blank),
+            **{name: (value, gear[name]) for name, value in shared_fields(cls, blank.pinion).items()},
             drive_pressure_angle=blank.generated_drive_pressure_angle,
             coast_pressure_angle=blank.generated_coast_pressure_angle,
             gear_spiral_angle=blank.gear.mean_spiral_angle,

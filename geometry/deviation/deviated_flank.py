@@ -21,13 +21,13 @@ instead: right for a flank turned as a whole, but without the slope of the devia
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import xarray as xr
 
-from ...core.arrays import Array, Bools, record
+from ...core.arrays import Array, Bools, record, shared_fields
 from ...core.attributes import labelled
 from ...core.checks import instance, number, two_whole
 from ...core.errors import GeometryError, InputError
@@ -51,7 +51,7 @@ class DeviatedFlank(GeneratingSurface):
     @property
     def designed(self) -> GeneratingSurface:
         """The surface without the deviation."""
-        return GeneratingSurface(**{f.name: getattr(self, f.name) for f in fields(GeneratingSurface)})
+        return GeneratingSurface(**shared_fields(GeneratingSurface, self))
 
     @np.errstate(all="ignore")
     def evaluate(self, parameters: Array) -> tuple[Array, Array, Array]:
@@ -84,9 +84,8 @@ def deviated_member(member: Member, deviation: Deviation | None) -> Member:
         return member
     if deviation.section != member.section:
         raise InputError("deviation: must have the section of this member; it was made for another blank")
-    surface = member.loaded.designed
-    attributes = {f.name: getattr(surface, f.name) for f in fields(GeneratingSurface)}
-    return replace(member, loaded=DeviatedFlank(**attributes, deviation=deviation))
+    designed = shared_fields(GeneratingSurface, member.loaded.designed)
+    return replace(member, loaded=DeviatedFlank(**designed, deviation=deviation))
 
 
 def deviated_pair(pair: GearPair, *, pinion: Deviation | None = None, gear: Deviation | None = None) -> GearPair:
