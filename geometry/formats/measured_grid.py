@@ -26,7 +26,6 @@ from __future__ import annotations
 import os
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -43,7 +42,7 @@ from ..flanks.flank import solve_flank
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import Side, side
 from . import csv_points as cmm_csv, measuring_points as cmm
-from .csv_points import Attributes, cells, comment, excerpt, parted, require_size, separator
+from .csv_points import cells, comment, excerpt, parted, require_size, separator
 from .measuring_points import EdgeMargins, cmm_points
 
 FORMAT = cmm.GRID_FORMAT
@@ -375,15 +374,15 @@ def measured_matrix(
     """
     instance("member", member, Member)
     instance("edge_margins", edge_margins, EdgeMargins | None)
-    table = table_of_matrix(
-        deviation,
-        side(member.loaded) if flank is None else flank,
-        rows=rows,
-        columns=columns,
-        deviation_unit=deviation_unit,
-        margins=edge_margins,
-    )
-    return measured_grid(table.points(member), table.deviation)
+    name, source = side(member.loaded) if flank is None else flank, "matrix of deviations"
+    given = {"flank": name, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
+    for key, allowed in WANTED.items():
+        one_of(key, given[key], allowed)
+    values = array(source, deviation, deviation_unit, ndim=2, anything=True)
+    require_size(values.shape[0], values.shape[1], source)
+    values = _oriented(values * (1e3 if deviation_unit == "mm" else 1.0), rows, columns, source)
+    points = DeviationTable(values, name, edge_margins or EdgeMargins(), source).points(member)
+    return measured_grid(points, values)
 
 
 UPWARDS, LENGTHWISE = ("root to tip", "tip to root"), ("toe to heel", "heel to toe")
@@ -409,13 +408,12 @@ class DeviationTable:
         """Nominal points of the table on its flank of a member, where ``easeoff export`` has them."""
         if self.flank != side(member.loaded):
             if member.opposite is None:
-                known = side(member.loaded)
+                known = repr(side(member.loaded))
                 raise InputError(
-                    f"{self.source}: flank = {self.flank!r}: must be {known!r}, the one given for this member"
+                    f"{self.source}: flank = {self.flank!r}: must be {known}, the one given for this member"
                 )
             member = member.from_opposite
-        rows, columns = self.deviation.shape
-        margins = self.margins
+        (rows, columns), margins = self.deviation.shape, self.margins
         if member.opposite is not None:
             # As exported, both flanks have one grid; the thickness of the tooth does not matter to its margins.
             both = cmm_points(member, rows, columns, margins, tooth_angle=np.pi / member.teeth)
@@ -464,30 +462,8 @@ def parsed_table(content: str, source: str) -> DeviationTable:
         )
     deviation = np.array(rows, dtype=float) * (1e3 if attributes["deviation_unit"] == "mm" else 1.0)
     deviation = _oriented(deviation, attributes["rows"], attributes["columns"], source)
-    return DeviationTable(deviation, attributes["flank"], _margins(attributes), source)
-
-
-def table_of_matrix(
-    deviation: ArrayLike,
-    flank: str,
-    *,
-    rows: str = UPWARDS[0],
-    columns: str = LENGTHWISE[0],
-    deviation_unit: str = "um",
-    margins: EdgeMargins | None = None,
-) -> DeviationTable:
-    """Table of a plain matrix of deviations, positive for more metal, in ``deviation_unit``: ``um`` or ``mm``.
-
-    ``rows`` and ``columns`` are ``root to tip`` or ``tip to root``, and ``toe to heel`` or ``heel to toe``; they may be
-    exchanged.
-    """
-    given = {"flank": flank, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
-    for key, allowed in WANTED.items():
-        one_of(key, given[key], allowed)
-    values = array("matrix of deviations", deviation, deviation_unit, ndim=2, anything=True)
-    require_size(values.shape[0], values.shape[1], "matrix of deviations")
-    values = _oriented(values * (1e3 if deviation_unit == "mm" else 1.0), rows, columns, "matrix of deviations")
-    return DeviationTable(values, flank, margins or EdgeMargins(), "matrix of deviations")
+    margins = EdgeMargins(**{edge: attributes.get(f"margin_{edge}_mm") for edge in EDGES})
+    return DeviationTable(deviation, attributes["flank"], margins, source)
 
 
 def _oriented(deviation: NDArray[np.float64], rows: str, columns: str, source: str) -> NDArray[np.float64]:
@@ -497,10 +473,6 @@ def _oriented(deviation: NDArray[np.float64], rows: str, columns: str, source: s
     if rows in LENGTHWISE:
         deviation, rows, columns = deviation.T, columns, rows
     return np.ascontiguousarray(deviation[:: 1 if rows == UPWARDS[0] else -1, :: 1 if columns == LENGTHWISE[0] else -1])
-
-
-def _margins(attributes: Attributes) -> EdgeMargins:
-    return EdgeMargins(**{edge: attributes.get(f"margin_{edge}_mm") for edge in EDGES})
 
 
 def _is_number(cell: str, *, finite: bool = True) -> bool:
@@ -575,13 +547,12 @@ def _statements(content: str) -> list[tuple[int, str]]:
         line = raw.split("$$")[0].strip()
         if not line:
             continue
-        continued = line.endswith("$")
         part = line.rstrip("$").strip()
         if open_line:
             result[-1][1].append(part)
         else:
             result.append((number, [part]))
-        open_line = continued
+        open_line = line.endswith("$")
     return [(number, "".join(parts)[:LINE_LENGTH_LIMIT]) for number, parts in result]
 
 
@@ -610,5 +581,4 @@ def _combined(nominal: cmm_csv.Points, actual: cmm_csv.Points, source: str) -> x
         raise InputError(
             f"{source}: {len(missing)} points were not measured, the first {flank}, row {row}, col. {column}"
         )
-    attributes: dict[str, Any] = {"length_unit": "mm"}
-    return cmm_csv.gridded(points, attributes, source)
+    return cmm_csv.gridded(points, {"length_unit": "mm"}, source)
