@@ -1,7 +1,7 @@
 from .cutting.blade import Blade as Blade, BladeSection as BladeSection
 from .cutting.generating_surface import GeneratingSurface as GeneratingSurface, Hand as Hand
 from .cutting.machine import MachineSettings as MachineSettings
-from .cutting.named_settings import MachineResolution as MachineResolution
+from .cutting.named_settings import MachineResolution as MachineResolution, usual_settings as usual_settings
 from .design.basic_settings import (
     blank_section as blank_section,
     conjugate_pinion as conjugate_pinion,
@@ -21,10 +21,8 @@ from .deviation.global_errors import (
     angle_errors as angle_errors,
     fit_global_errors as fit_global_errors,
 )
-from .deviation.machine_set_up import shares_set_up as shares_set_up, usual_settings as usual_settings
 from .flanks.blank_section import BlankSection as BlankSection
-from .flanks.curvature import principal_curvatures as principal_curvatures
-from .flanks.flank import Flank as Flank
+from .flanks.flank import Flank as Flank, principal_curvatures as principal_curvatures
 from .pair.assembly import Assembly as Assembly, Misalignment as Misalignment
 from .pair.gear_pair import (
     FlankName as FlankName,
@@ -34,6 +32,7 @@ from .pair.gear_pair import (
     ease_off as ease_off,
     flank as flank,
     pair_geometry as pair_geometry,
+    shares_set_up as shares_set_up,
 )
 from .pair.modification import Modification as Modification
 from .tooth.tooth_flanks import tooth_angle as tooth_angle

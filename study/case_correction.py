@@ -21,9 +21,8 @@ from ..core.checks import instance, number, one_of, truth
 from ..core.errors import GeometryError, InputError
 from ..geometry.deviation.corrective_settings import Correction, corrective_settings
 from ..geometry.deviation.deviation import Deviation, Method
-from ..geometry.deviation.machine_set_up import shares_set_up
 from ..geometry.formats.measuring_points import opened as open_netcdf
-from ..geometry.pair.gear_pair import FlankName, GearPair, Member
+from ..geometry.pair.gear_pair import FlankName, GearPair, Member, shares_set_up
 from ..geometry.tooth.tooth_flanks import MemberName, Side, named_member, side
 from .deviations import Source, flank_deviations, measured_file
 

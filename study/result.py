@@ -17,8 +17,7 @@ from ..contact.supports.assembly_rounds import RoundsStatus
 from ..core.attributes import StoredStatus, units_of
 from ..core.checks import file_path, instance, shown
 from ..core.errors import InputError
-from ..core.file_origin import layout_fault, unreadable
-from ..core.netcdf_file import read_tree, tree_or_none, write_netcdf
+from ..core.netcdf_file import layout_fault, read_tree, tree_or_none, unreadable, write_netcdf
 from ..core.regular_file import named, parsed_json
 
 RESULT_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant

@@ -11,7 +11,7 @@ after; making it takes a minute.
   as optional (``study/result_layout.txt``). Name, unit, sign and
   dimensions of what is there stay.
 - What has to change all the same raises ``RESULT_SCHEMA_VERSION`` or ``SWEEP_SCHEMA_VERSION``. Readers then convert
-  older layouts, or refuse them with the version that reads them (``core/file_origin.py``), and the test of that version
+  older layouts, or refuse them with the version that reads them (``core/netcdf_file.py``), and the test of that version
   says so. A later layout than the reader knows is refused in the same way.
 - Numbers may change when a model becomes more accurate, with a row in the changelog: what, from, to.
 - Public names and options of commands are removed one minor version after a warning at the earliest.

@@ -35,8 +35,7 @@ from ..contact.unloaded import unloaded_contact
 from ..core.arrays import Array, Bools, record
 from ..core.checks import instance
 from ..geometry.cutting.generating_surface import GeneratingSurface, SurfacePoints
-from ..geometry.flanks.curvature import Curvatures
-from ..geometry.flanks.flank import Flank, seed_lattice
+from ..geometry.flanks.flank import Curvatures, Flank, seed_lattice
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.ease_off import EaseOff
 from ..geometry.pair.gear_pair import GearPair, Member, PairGeometry, pair_geometry

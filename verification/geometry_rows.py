@@ -13,8 +13,7 @@ from ..contact.lines.closest_approach import closest_approach
 from ..core.arrays import Array, Bools
 from ..geometry.cutting.generating_surface import GeneratingSurface
 from ..geometry.flanks.blank_section import BlankSection
-from ..geometry.flanks.curvature import principal_curvatures
-from ..geometry.flanks.flank import Flank, NodeStatus, on_parts
+from ..geometry.flanks.flank import Flank, NodeStatus, on_parts, principal_curvatures
 from ..geometry.vectors import dot
 from . import conventional_analysis as conventional
 from .conventional_analysis import BothMethods

@@ -5,6 +5,8 @@ profile (``spheric_radius``), zero for a straight one; ``modified_roll_2c`` to `
 derivatives of the work rotation, and ``sliding_base_motion_1``, ``sliding_base_motion_2``, ... those of a setting by
 the cradle increment, as in case files (there degrees, here radians).
 
+Which settings of a set-up may be moved: those that its machine and its blade have.
+
 Resolution of machine and cutter settings: the steps to which they are set, and how they are written.
 
 The steps are those of a numerically controlled machine that is set by the digits of a summary sheet; a change of one
@@ -15,12 +17,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from ...core.checks import number
-from ...core.errors import InputError
+from ...core.checks import instance, number
+from ...core.errors import InputError, suggestion
 from .generating_surface import GeneratingSurface
 from .machine import MOVING_SETTINGS
 
@@ -108,6 +110,75 @@ def _with_derivative(coefficients: tuple[float, ...], order: int, first: int, va
     result = [*coefficients, *[0.0] * (order - first + 1 - len(coefficients))]
     result[order - first] = value / math.factorial(order)
     return tuple(result)
+
+
+# Formate: no roll. The flank has four degrees of freedom; the fifth setting holds the root.
+FREE_FORMATE_SETTINGS = (
+    "radial_distance",
+    "cradle_angle",
+    "machine_root_angle",
+    "sliding_base",
+    "machine_center_to_crossing_point",
+)
+# Generated: the basic cradle angle turns the tooth. Tilt, swivel and modified roll only where the design has them.
+FREE_MACHINE_SETTINGS = (*MOVING_SETTINGS, "ratio_of_roll", "modified_roll_2c", "modified_roll_6d")
+BLADE_SETTINGS = (*BLADE_STEPS, *CURVATURE_STEPS)
+TILTS = ("cutter_tilt", "cutter_swivel")
+
+
+def usual_settings(surface: GeneratingSurface) -> tuple[str, ...]:
+    """Settings that corrections move unless others are named: those of the machine, no blades.
+
+    Coefficients of the modified roll that are zero in the design stay zero.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> usual_settings(gear_pair(read_case("fm-11x41")).gear.loaded)[:3]
+    ('radial_distance', 'cradle_angle', 'machine_root_angle')
+    """
+    instance("surface", surface, GeneratingSurface)
+    if not surface.settings.generated:
+        return FREE_FORMATE_SETTINGS
+    unused = [name for name in MODIFIED_ROLL_ORDERS if get_setting(surface, name) == 0.0]
+    return tuple(name for name in FREE_MACHINE_SETTINGS if name in movable_settings(surface) and name not in unused)
+
+
+def movable_settings(surface: GeneratingSurface) -> tuple[str, ...]:
+    """Settings of a surface that can be moved, but for its higher-order motions; a Formate flank has no roll."""
+    settings = surface.settings
+    without = set() if settings.indexing_ratio != 0.0 else {"rake_angle", "hook_angle"}
+    without |= set() if settings.cutter_tilt != 0.0 else set(TILTS)
+    without |= set() if settings.generated else {"ratio_of_roll", *MODIFIED_ROLL_ORDERS}
+    return tuple(name for name in (*BLADE_SETTINGS, *MACHINE_STEPS, *MODIFIED_ROLL_ORDERS) if name not in without)
+
+
+def require_movable(surface: GeneratingSurface, names: Sequence[str]) -> None:
+    """Refuse names of settings that this machine does not have, that come twice, or none at all."""
+    allowed, rolled = movable_settings(surface), surface.settings.generated
+    motions = f", or a motion: {', '.join(MOVING_SETTINGS)} with _motion_1 to _motion_6" if rolled else ""
+    if not names:
+        raise InputError(f"free settings: must name one at least of {', '.join(allowed)}{motions}")
+    for name in names:
+        if list(names).count(name) > 1:
+            raise InputError(f"free setting = {name!r}: must be named once")
+        if name in allowed or (rolled and MOTION_PATTERN.fullmatch(name)):
+            continue
+        raise InputError(
+            f"free setting = {name!r}: must be one of {', '.join(allowed)}{motions}"
+            + (_reason(name) or suggestion(name, allowed))
+        )
+
+
+def _reason(name: str) -> str:
+    """Why a setting that exists elsewhere cannot be moved here."""
+    if name == "ratio_of_roll" or name in MODIFIED_ROLL_ORDERS or MOTION_PATTERN.fullmatch(name):
+        return "; this member is Formate and has no roll"
+    if name in TILTS:
+        return "; the cutter of this machine is not tilted"
+    if name in BLADE_SETTINGS:
+        return "; a face-milling blade sweeps a surface of revolution"
+    return ""
 
 
 LARGEST_STEP = 10.0  # mm or degrees

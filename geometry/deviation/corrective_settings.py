@@ -27,13 +27,20 @@ from ...core.arrays import Array, Bools, record
 from ...core.checks import instance, number, truth, words
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.named_settings import get_setting, scale_of, setting_step, with_settings
+from ..cutting.named_settings import (
+    BLADE_SETTINGS,
+    get_setting,
+    require_movable,
+    scale_of,
+    setting_step,
+    usual_settings,
+    with_settings,
+)
 from ..design.synthesis import RootLine
-from ..pair.gear_pair import Member, thickness_per_angle
+from ..pair.gear_pair import Member, shares_set_up, thickness_per_angle
 from ..tooth.tooth_flanks import Side, side
 from .deviated_flank import RecutFlank
 from .deviation import Deviation, zeroed
-from .machine_set_up import BLADE_SETTINGS, require_movable, shares_set_up, usual_settings
 
 MISSING_LIMIT = 0.25  # of a flank's points, the most that the settings found may not cut
 

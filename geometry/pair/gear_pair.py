@@ -15,8 +15,7 @@ from ...core.checks import check_fields, instance, two_whole
 from ...core.errors import InputError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
-from ..flanks.curvature import principal_curvatures
-from ..flanks.flank import Flank, NodeStatus, solve_flank
+from ..flanks.flank import Flank, NodeStatus, principal_curvatures, solve_flank
 from .assembly import Assembly, Misalignment
 from .ease_off import Drift, EaseOff, drift, exact_ease_off
 from .member_names import MEMBERS as MEMBERS, FlankName as FlankName
@@ -233,6 +232,22 @@ class Member:
     def middle(self) -> Flank:
         """The loaded flank at its middle, one node."""
         return self.flank(np.array([0.5]), np.array([0.5]))
+
+
+def shares_set_up(member: Member) -> bool:
+    """True if both flanks of a member are cut in one set-up: by one cutter at the same machine settings.
+
+    So are spread-blade and completing members. Unlike ``Member.one_set_up`` it counts face hobbing in.
+
+    Examples
+    --------
+    >>> from easeoff.cases import gear_pair, read_case
+    >>> pair = gear_pair(read_case("fh-12x41-45"))
+    >>> shares_set_up(pair.gear), shares_set_up(pair.pinion)
+    (True, False)
+    """
+    instance("member", member, Member)
+    return member.opposite is not None and member.opposite.settings == member.loaded.settings
 
 
 @dataclass(frozen=True)

@@ -36,8 +36,7 @@ from ...geometry.flanks.blank_section import BlankSection
 from ...geometry.flanks.flank import NodeStatus
 from ...geometry.pair.ease_off import EaseOff, exact_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, bodies, grid
-from ...geometry.pair.tip_mates import unmet_tips
-from ...geometry.pair.tooth_thickness import contradictions
+from ...geometry.pair.tooth_thickness import contradictions, unmet_tips
 from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import LandWidths, contact_heights, land_widths, tooth_side
 from .rounded_settings import without_rotation

@@ -11,8 +11,7 @@ import xarray as xr
 
 from ...core.attributes import StoredStatus
 from ...core.errors import InputError
-from ...core.file_origin import layout_fault, unreadable
-from ...core.netcdf_file import read_dataset, write_netcdf
+from ...core.netcdf_file import layout_fault, read_dataset, unreadable, write_netcdf
 from ...core.regular_file import named
 from ..result import MAGNITUDE_LIMIT, OF_A_PAIR, OPTIONAL_ATTRIBUTES, SWEEP_MARK, attribute_faults, form_faults
 from .reductions import LOADS, ROWS, point_dimensions, swept_names

@@ -17,7 +17,7 @@ from runs import SHELLS, call, output_of, read_only, refusal_of, small_file
 
 import easeoff
 from easeoff.cases import case_text, read_case, write_case
-from easeoff.core.file_origin import FAULT_COUNT_LIMIT
+from easeoff.core.netcdf_file import FAULT_COUNT_LIMIT
 from easeoff.friction import lubricant
 from easeoff.study.cli import main
 from easeoff.study.cli.command import Command

@@ -18,10 +18,15 @@ from ....core.checks import array, shown, words
 from ....core.errors import InputError, suggestion
 from ....geometry.cutting import named_settings
 from ....geometry.cutting.generating_surface import GeneratingSurface
-from ....geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution, get_setting, setting_step
+from ....geometry.cutting.named_settings import (
+    USUAL_RESOLUTION,
+    MachineResolution,
+    get_setting,
+    movable_settings,
+    setting_step,
+)
 from ....geometry.design.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
-from ....geometry.deviation.machine_set_up import movable_settings, shares_set_up
-from ....geometry.pair.gear_pair import FlankName, GearPair
+from ....geometry.pair.gear_pair import FlankName, GearPair, shares_set_up
 from ....geometry.pair.near_pair import PairSetting, is_angle
 from ...analysis.setting_derivatives import CUTTER_KEYS, SIDES, derivative_settings
 from ...analysis.swept_quantity import swept_quantity

@@ -34,7 +34,7 @@ from easeoff.geometry.flanks.blank_section import BlankSection
 from easeoff.geometry.flanks.flank import NodeStatus, mean_parameters, solve_flank
 from easeoff.geometry.pair.ease_off import exact_ease_off
 from easeoff.geometry.pair.gear_pair import grid
-from easeoff.geometry.pair.tip_mates import unmet_tips
+from easeoff.geometry.pair.tooth_thickness import unmet_tips
 from easeoff.geometry.tooth.tooth_surface import TOE_MIDDLE_HEEL, tip_gap
 from easeoff.geometry.vectors import rotate_z
 from easeoff.study import design_case

@@ -34,6 +34,7 @@ from easeoff.geometry.cutting.named_settings import (
     MACHINE_STEPS,
     MODIFIED_ROLL_ORDERS,
     get_setting,
+    movable_settings,
     nearest_multiple,
     scale_of,
     setting_step,
@@ -43,7 +44,6 @@ from easeoff.geometry.cutting.named_settings import (
 from easeoff.geometry.deviation.corrective_settings import GIVEN_UP, LEAST_GIVEN_UP, SetUpFit
 from easeoff.geometry.deviation.deviated_flank import RecutFlank, deviated_member
 from easeoff.geometry.deviation.deviation import Deviation
-from easeoff.geometry.deviation.machine_set_up import movable_settings
 from easeoff.geometry.formats import flank_deviation, measured_matrix
 from easeoff.geometry.pair.gear_pair import Member
 from easeoff.geometry.pair.tooth_body import middle_angle

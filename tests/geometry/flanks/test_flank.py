@@ -12,8 +12,7 @@ from pairs import GEAR_BLANK, PINION_BLANK, conjugate_pair
 from easeoff import GeometryError
 from easeoff.cases import gear_pair, read_case
 from easeoff.geometry import BlankSection, flank, principal_curvatures
-from easeoff.geometry.flanks.curvature import shape_operator
-from easeoff.geometry.flanks.flank import NodeStatus, solve_flank
+from easeoff.geometry.flanks.flank import NodeStatus, shape_operator, solve_flank
 from easeoff.geometry.vectors import dot
 
 INCH = 25.4

@@ -29,7 +29,7 @@ from easeoff.geometry import (
 )
 from easeoff.geometry.cutting.generating_surface import SurfacePoints
 from easeoff.geometry.cutting.named_settings import with_settings
-from easeoff.geometry.flanks.curvature import shape_operator
+from easeoff.geometry.flanks.flank import shape_operator
 from easeoff.geometry.newton import complex_steps
 from easeoff.geometry.pair.conjugate_motion import ConjugateMotion
 from easeoff.geometry.pair.ease_off import SKEW_STEP, EaseOff, exact_ease_off
