@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -71,10 +72,11 @@ class ToothProportions:
         cls, blank: BlankDimensions, cutter_radius: float, number_of_blade_groups: int = 0, *, generated_gear: bool
     ) -> ToothProportions:
         """Proportions of a pair of blanks, with the suggested allowances and members finished in one cut."""
-        gear = shared_fields(cls, blank.gear)
+        pinion, gear = (shared_fields(cls, member) for member in (blank.pinion, blank.gear))
+        of_members: dict[str, Any] = {name: (pinion[name], gear[name]) for name in gear}
         return cls(
             **shared_fields(cls, blank),
-            **{name: (value, gear[name]) for name, value in shared_fields(cls, blank.pinion).items()},
+            **of_members,
             drive_pressure_angle=blank.generated_drive_pressure_angle,
             coast_pressure_angle=blank.generated_coast_pressure_angle,
             gear_spiral_angle=blank.gear.mean_spiral_angle,
