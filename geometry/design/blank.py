@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -23,8 +24,13 @@ from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface, Hand
 from ..flanks.blank_section import BlankSection
 from ..flanks.flank import solve_flank
-from .iso23509.blank_design import BlankDesign as BlankDesign
-from .iso23509.blank_dimensions import BlankDimensions as BlankDimensions, MemberBlank, MemberFrame, member_blank
+from .iso23509.blank_dimensions import (
+    BlankDesign as BlankDesign,
+    BlankDimensions as BlankDimensions,
+    MemberBlank,
+    MemberFrame,
+    member_blank,
+)
 from .iso23509.pitch_cones import PitchCones, crown_gear, pitch_cones
 
 
@@ -116,47 +122,34 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
         (cones.gear_mean_spiral_angle, gear_outer_spiral),
         (gear_distance, mean.gear_outer),
     )
-    pinion = MemberFrame(
-        number_of_teeth=design.number_of_teeth[0],
-        pitch_angle=cones.pinion_pitch_angle,
-        mean_cone_distance=cones.pinion_mean_cone_distance,
-        mean_point_distance=mean.pinion_distance,
-        outer_face_width=width.outside,
-        inner_face_width=width.inside,
-        face_angle=pinion_face.angle,
-        root_angle=pinion_root.angle,
-        face_apex=pinion_face.apex,
-        root_apex=pinion_root.apex,
-        mean_addendum=depth.addendum[0],
-        mean_dedendum=depth.dedendum[0],
-        outer_spiral_angle=outer_spiral + math.asin(plane_offset / outer_reach),
-        mean_spiral_angle=cones.pinion_mean_spiral_angle,
-        inner_spiral_angle=inner_spiral + math.asin(plane_offset / inner_reach),
-        thickness_modification_coefficient=changes[0],
-    )
-    gear = MemberFrame(
-        number_of_teeth=design.number_of_teeth[1],
-        pitch_angle=gear_angle,
-        mean_cone_distance=gear_distance,
-        mean_point_distance=mean.gear_distance,
-        outer_face_width=mean.gear_outer - gear_distance,
-        inner_face_width=gear_distance - mean.gear_inner,
-        face_angle=face_angle,
-        root_angle=root_angle,
-        face_apex=face_apex,
-        root_apex=root_apex,
-        mean_addendum=depth.addendum[1],
-        mean_dedendum=depth.dedendum[1],
-        outer_spiral_angle=gear_outer_spiral,
-        mean_spiral_angle=cones.gear_mean_spiral_angle,
-        inner_spiral_angle=crown.spiral_angle(mean.gear_inner),
-        thickness_modification_coefficient=changes[1],
-    )
-    pinion_blank = member_blank(pinion, mean.module, pressure.mean, depth.profile_shift_coefficient)
+    both: dict[str, tuple[Any, Any]] = {
+        "number_of_teeth": design.number_of_teeth,
+        "pitch_angle": (cones.pinion_pitch_angle, gear_angle),
+        "mean_cone_distance": (cones.pinion_mean_cone_distance, gear_distance),
+        "mean_point_distance": (mean.pinion_distance, mean.gear_distance),
+        "outer_face_width": (width.outside, mean.gear_outer - gear_distance),
+        "inner_face_width": (width.inside, gear_distance - mean.gear_inner),
+        "face_angle": (pinion_face.angle, face_angle),
+        "root_angle": (pinion_root.angle, root_angle),
+        "face_apex": (pinion_face.apex, face_apex),
+        "root_apex": (pinion_root.apex, root_apex),
+        "mean_addendum": depth.addendum,
+        "mean_dedendum": depth.dedendum,
+        "outer_spiral_angle": (outer_spiral + math.asin(plane_offset / outer_reach), gear_outer_spiral),
+        "mean_spiral_angle": (cones.pinion_mean_spiral_angle, cones.gear_mean_spiral_angle),
+        "inner_spiral_angle": (
+            inner_spiral + math.asin(plane_offset / inner_reach),
+            crown.spiral_angle(mean.gear_inner),
+        ),
+        "thickness_modification_coefficient": changes,
+    }
+    frames = [MemberFrame(**{name: values[member] for name, values in both.items()}) for member in (0, 1)]
+    shift = depth.profile_shift_coefficient
+    pinion_blank = member_blank(frames[0], mean.module, pressure.mean, shift)
     return BlankDimensions(
         pinion=pinion_blank,
-        gear=member_blank(gear, mean.module, pressure.mean, -depth.profile_shift_coefficient),
-        **shared_fields(BlankDimensions, cones, pressure, depth),
+        gear=member_blank(frames[1], mean.module, pressure.mean, -shift),
+        **shared_fields(BlankDimensions, cones, pressure, depth, crown, width),
         gear_ratio=design.number_of_teeth[1] / design.number_of_teeth[0],
         root_offset_angle=pinion_face.offset_angle,
         face_offset_angle=pinion_root.offset_angle,
@@ -174,11 +167,8 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
         pinion_inner_gear_cone_distance=inner_reach,
         pinion_outer_gear_spiral_angle=outer_spiral,
         pinion_inner_gear_spiral_angle=inner_spiral,
-        cutter_lead_angle=crown.cutter_lead_angle,
         crown_centre_distance=crown.centre_distance,
         crown_base_radius=crown.base_radius,
-        pinion_width_axial_angle=width.axial_angle,
-        pinion_face_contact_width=width.face_contact_width,
         theoretical_thickness_modification_coefficient=depth.thickness_modification_coefficient,
     )
 
@@ -342,8 +332,8 @@ class PinionFaceWidth:
 
     outside: float
     inside: float
-    axial_angle: float = math.nan
-    face_contact_width: float = math.nan
+    pinion_width_axial_angle: float = math.nan
+    pinion_face_contact_width: float = math.nan
 
 
 def pressure_angles(design: BlankDesign, cones: PitchCones) -> PressureAngles:

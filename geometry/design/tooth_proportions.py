@@ -122,6 +122,7 @@ class ToothProportions:
 def measured_proportions(pair: GearPair) -> ToothProportions:
     """Tooth proportions of a pair with all four flanks, seen from its drive side, in the middle of the gear's face."""
     members, sections = (pair.pinion, pair.gear), (pair.pinion.section, pair.gear.section)
+    of_pinion, of_gear = sections
     distance = mean_cone_distances(pair, must_touch=True)
     thickness = [
         mean_normal_thickness(member, middle, r)
@@ -132,22 +133,18 @@ def measured_proportions(pair: GearPair) -> ToothProportions:
     spiral = [sum(abs(each.spiral_angle) for each in both) / 2.0 for both in angles]
     gear = pair.gear
     settings = gear.loaded.settings
-    radius = distance[1] * math.sin(sections[1].pitch_angle)
-    module = 2.0 * radius * math.cos(spiral[1]) / gear.teeth
+    module = 2.0 * distance[1] * math.sin(of_gear.pitch_angle) * math.cos(spiral[1]) / gear.teeth
     flanks = gear.loaded, gear.from_opposite.loaded
     return ToothProportions(
         number_of_teeth=(pair.pinion.teeth, gear.teeth),
         shaft_angle=pair.assembly.shaft_angle,
         hypoid_offset=pair.assembly.hypoid_offset,
         mean_normal_module=module,
-        face_width=(sections[0].face_width, sections[1].face_width),
-        outer_cone_distance=(sections[0].outer_cone_distance, sections[1].outer_cone_distance),
+        face_width=(of_pinion.face_width, of_gear.face_width),
+        outer_cone_distance=(of_pinion.outer_cone_distance, of_gear.outer_cone_distance),
         mean_cone_distance=distance,
-        pitch_angle=(sections[0].pitch_angle, sections[1].pitch_angle),
-        dedendum_angle=(
-            sections[0].pitch_angle - sections[0].root_angle,
-            sections[1].pitch_angle - sections[1].root_angle,
-        ),
+        pitch_angle=(of_pinion.pitch_angle, of_gear.pitch_angle),
+        dedendum_angle=(of_pinion.pitch_angle - of_pinion.root_angle, of_gear.pitch_angle - of_gear.root_angle),
         mean_addendum=(heights[0][0], heights[1][0]),
         mean_dedendum=(heights[0][1], heights[1][1]),
         mean_normal_thickness=(thickness[0], thickness[1]),
@@ -169,8 +166,7 @@ def _heights(section: BlankSection, distance: float) -> tuple[float, float]:
     axial, radial = map(float, section.on_pitch_cone(distance))
 
     def to_cone(angle: float, apex: float) -> float:
-        off = (axial + apex) * math.sin(angle) - radial * math.cos(angle)
-        return off / math.cos(pitch - angle)
+        return ((axial + apex) * math.sin(angle) - radial * math.cos(angle)) / math.cos(pitch - angle)
 
     return to_cone(section.face_angle, section.face_apex), -to_cone(section.root_angle, section.root_apex)
 

@@ -29,7 +29,7 @@ from typing import Protocol
 
 from ....core.checks import check_fields
 from ....core.errors import GeometryError, InputError
-from .blank_design import BlankDesign
+from .blank_dimensions import BlankDesign
 
 
 @dataclass(frozen=True)
