@@ -226,8 +226,7 @@ def started_from(start: GeneratingSurface, fit: Synthesis, names: Iterable[str])
 
 def _form_first(pair: GearPair, target: EaseOffTarget) -> Synthesis:
     """A fit that takes the form of the flank first and the root cone then."""
-    form = fit_pinion(pair, target)
-    near = replace(pair, pinion=replace(pair.pinion, loaded=form.surface))
+    near = replace(pair, pinion=replace(pair.pinion, loaded=fit_pinion(pair, target).surface))
     fit = fit_pinion(near, target, follow_root=True)
     return started_from(pair.pinion.loaded, fit, fit.moved)
 

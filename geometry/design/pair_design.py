@@ -60,22 +60,11 @@ class PairDesign:
     def pair(self, side: FlankName = "drive") -> GearPair:
         """The pair seen from one side."""
         order = 1 if side == "drive" else -1
-        gear = self.gear[::order]
-        pinion = [self.pinion[name].surface for name in SIDES][::order]
-        blanks, clearance = self.blank, self.blank.clearance
-        return GearPair(
-            Member(
-                self.assembly.pinion_teeth,
-                blank_section(blanks.pinion, clearance),
-                pinion[0],
-                pinion[1],
-                self.pinion_thickness,
-            ),
-            Member(
-                self.assembly.gear_teeth, blank_section(blanks.gear, clearance), gear[0], gear[1], self.gear_thickness
-            ),
-            self.assembly,
-        )
+        of_pinion, of_gear = [self.pinion[name].surface for name in SIDES][::order], self.gear[::order]
+        sections = [blank_section(member, self.blank.clearance) for member in (self.blank.pinion, self.blank.gear)]
+        pinion = Member(self.assembly.pinion_teeth, sections[0], of_pinion[0], of_pinion[1], self.pinion_thickness)
+        gear = Member(self.assembly.gear_teeth, sections[1], of_gear[0], of_gear[1], self.gear_thickness)
+        return GearPair(pinion, gear, self.assembly)
 
 
 def design_pair(
@@ -134,8 +123,7 @@ def design_pair(
 
     if method == "closest_fit":
         rolled_ones = [crown(upright=False), crown(upright=True)] if generated else []
-        pairs = [*rolled_ones, conjugate()]
-        pinion = _closest(pairs, targets, free, follow_root, blank.clearance, steps)
+        pinion = _closest([*rolled_ones, conjugate()], targets, free, follow_root, blank.clearance, steps)
     else:
         limits = SettingLimits() if limits is None else limits
         # A tilted cutter cuts the conjugate pinion of a Formate gear, both its flanks in one set-up.
@@ -146,8 +134,7 @@ def design_pair(
         require_usable(side, pinion[side].largest_residual, targets[side], ADVICE[method])
     thickness = _middle_thickness(blank, gear) if groups else None
     designed = PairDesign(blank, assembly, gear, pinion, thickness)
-    left = method == "completing" and not groups
-    find = _left_thickness if left else partial(_thickness_in_slot, blank)
+    find = _left_thickness if method == "completing" and not groups else partial(_thickness_in_slot, blank)
     designed = replace(designed, pinion_thickness=find(designed.pair()))
     for name, given in zip(BOTH_MEMBERS, edge_radii, strict=True):
         if given is None:

@@ -63,8 +63,7 @@ class MeanSlot:
             if not np.all(solution.converged):
                 return math.nan
             position = surface.evaluate(solution.parameters)[0][:, 0]
-            hand = 1.0 if surface.hand == "right" else -1.0
-            azimuths.append(math.atan2(hand * position[1], position[0]))
+            azimuths.append(math.atan2((1.0 if surface.hand == "right" else -1.0) * position[1], position[0]))
             parameters.append(solution.parameters)
         self.parameters = parameters[0], parameters[1]
         return math.remainder(azimuths[1] - azimuths[0], 2.0 * math.pi) * self.width_per_angle
@@ -76,10 +75,8 @@ class MeanSlot:
         parameters = self.parameters[1 if convex else 0]
         position, normal = (vector[:, 0] for vector in here.evaluate(parameters)[:2])
         moved = (ahead.evaluate(parameters)[0] - behind.evaluate(parameters)[0])[:, 0]
-        around = float(position[0] * normal[1] - position[1] * normal[0])
-        hand = 1.0 if here.hand == "right" else -1.0
-        turn = hand * float(moved @ normal) / around
-        return (1.0 if convex else -1.0) * turn * self.width_per_angle
+        turn = float(moved @ normal) / float(position[0] * normal[1] - position[1] * normal[0])
+        return (1.0 if convex == (here.hand == "right") else -1.0) * turn * self.width_per_angle
 
     def error(self, concave: GeneratingSurface, convex: GeneratingSurface) -> float:
         """Width less the wanted one [mm]."""
@@ -169,9 +166,7 @@ class SetUpResidual:
             columns = self.columns(k)
             part_steps = steps[columns]
             surface = part.surface(part_steps)
-            for place, index in enumerate(columns):
-                shift = np.zeros(part_steps.size)
-                shift[place] = SLOT_STEP
+            for index, shift in zip(columns, SLOT_STEP * np.eye(columns.size), strict=True):
                 behind, ahead = part.surface(part_steps - shift), part.surface(part_steps + shift)
                 change = self.slot.change(surface, behind, ahead, convex=k == 1)
                 slopes[index] += SLOT_WEIGHT * change / (2.0 * SLOT_STEP)

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -109,8 +110,7 @@ class ToothLine:
     def gear_dedendum(self, gear_distance: Array) -> Array:
         """Dedendum of the gear (...) [mm] (59, 60)."""
         p = self.proportions
-        beyond = gear_distance - p.mean_cone_distance[1]
-        straight = p.mean_dedendum[1] + beyond * math.tan(p.dedendum_angle[1])
+        straight = p.mean_dedendum[1] + (gear_distance - p.mean_cone_distance[1]) * math.tan(p.dedendum_angle[1])
         return np.asarray(straight if p.generated_gear else straight - self._rise(gear_distance))
 
     def _rise(self, gear_distance: Array) -> Array:
@@ -156,8 +156,7 @@ class SlotWidths:
     def backlash(self) -> float:
         """Normal backlash at the heel (j_en) [mm] (51)."""
         p = self.proportions
-        play = p.pitch - sum(p.mean_normal_thickness)
-        return play * self._at_heel * math.cos(p.half_included_angle)
+        return (p.pitch - sum(p.mean_normal_thickness)) * self._at_heel * math.cos(p.half_included_angle)
 
     @cached_property
     def _at_heel(self) -> float:
@@ -455,8 +454,7 @@ def allowed_edge_radius(pair: GearPair, member: MemberName, usual: float) -> flo
     except GeometryError:  # no mean point to measure at
         return usual
     limit = float(EdgeRadiusLimits(SlotWidths(ToothLine(proportions))).largest[MEMBERS.index(member)])
-    least = SMALLEST_SHARE * proportions.mean_normal_module
-    return min(usual, max(least, limit)) if np.isfinite(limit) else usual
+    return min(usual, max(SMALLEST_SHARE * proportions.mean_normal_module, limit)) if np.isfinite(limit) else usual
 
 
 def require_whole_tooth(pair: GearPair, member: MemberName) -> None:
@@ -469,11 +467,10 @@ def fitting_edge_radius(
 ) -> float:
     """Usual edge radius, made smaller until the tooth passes ``require`` [mm]; the usual one if none does."""
     for share in REDUCTIONS:
-        try:
-            require(_rounded(pair, member, steps.edge(share * usual)), member)
-        except GeometryError:
-            continue
-        return round(steps.edge(share * usual), 4)
+        radius = steps.edge(share * usual)
+        with suppress(GeometryError):
+            require(_rounded(pair, member, radius), member)
+            return round(radius, 4)
     return usual
 
 

@@ -22,20 +22,10 @@ from ..pair.ease_off import EaseOff, angle_near, exact_ease_off, sheet_area
 from ..pair.gear_pair import GearPair, grid
 from ..tooth.tooth_surface import tip_gap
 from ..vectors import dot
+from .pinion_method import BLADE_SETTINGS, MACHINE_SETTINGS
 
 # Without tilt and swivel: their effects are nearly those of other settings, which makes the fit ill-conditioned.
-FREE_SETTINGS = (
-    "point_radius",
-    "pressure_angle",
-    "radial_distance",
-    "work_offset",
-    "machine_center_to_crossing_point",
-    "ratio_of_roll",
-    "modified_roll_2c",
-    "modified_roll_6d",
-)
-
-
+FREE_SETTINGS = (*BLADE_SETTINGS, *MACHINE_SETTINGS, "modified_roll_2c", "modified_roll_6d")
 # To follow the root cone the cutter has to be tilted anew; the others then hold the flank.
 FREE_SETTINGS_WITH_TILT = (*FREE_SETTINGS, "cutter_tilt", "cutter_swivel", "sliding_base")
 # A pinion rolled with a crown gear follows its root cone by the root angle, as on a machine without tilt.
