@@ -10,7 +10,8 @@ lines with separators, and it quotes what holds one. All that is read.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from itertools import product
 from typing import Any, TypeVar
 
 import numpy as np
@@ -38,12 +39,16 @@ def text(dataset: xr.Dataset) -> str:
     measured = DEVIATION_COLUMN in dataset
     extra = dataset[DEVIATION_COLUMN].values[..., None] if measured else np.zeros((*position.shape[:3], 0))
     lines.append(",".join(HEADINGS[extra.shape[-1]]))
-    for f, flank in enumerate(dataset["flank"].values):
-        for r, row in enumerate(dataset["row"].values):
-            for c, column in enumerate(dataset["column"].values):
-                numbers = [repr(float(value)) for value in (*position[f, r, c], *normal[f, r, c], *extra[f, r, c])]
-                lines.append(",".join([str(flank), str(row), str(column), *numbers]))
+    for place, names in grid_places(dataset):
+        numbers = [repr(float(value)) for value in (*position[place], *normal[place], *extra[place])]
+        lines.append(",".join([*names, *numbers]))
     return "\n".join(lines) + "\n"
+
+
+def grid_places(dataset: xr.Dataset) -> Iterator[tuple[tuple[int, ...], tuple[str, ...]]]:
+    """Indices of every point of a grid, and the names of its flank, row and column."""
+    names = [[str(name) for name in dataset[dimension].values] for dimension in ("flank", "row", "column")]
+    yield from zip(np.ndindex(*map(len, names)), product(*names), strict=True)
 
 
 def parsed(content: str, source: str) -> xr.Dataset:
@@ -116,13 +121,8 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
     rows, columns = max(key[1] for key in points), max(key[2] for key in points)
     require_size(rows, columns, source)
     if len(points) != len(flanks) * rows * columns:
-        missing = next(
-            (f, r, c)
-            for f in flanks
-            for r in range(1, rows + 1)
-            for c in range(1, columns + 1)
-            if (f, r, c) not in points
-        )
+        every = product(flanks, range(1, rows + 1), range(1, columns + 1))
+        missing = next(place for place in every if place not in points)
         raise InputError(
             f"{source}: the grid has {rows} rows and {columns} columns, but the {missing[0]} flank has no point in row "
             f"{missing[1]}, column {missing[2]}"

@@ -494,14 +494,11 @@ def dmis_text(dataset: xr.Dataset) -> str:
     lines = [f"FILNAM/'{title}',05.2", "UNITS/MM,ANGDEC"]
     position, normal = dataset["position"].values, dataset["normal"].values
     measured = position + 1e-3 * dataset["deviation"].values[..., None] * normal
-    for f, flank in enumerate(dataset["flank"].values):
-        for r, row in enumerate(dataset["row"].values):
-            for c, column in enumerate(dataset["column"].values):
-                label = f"{str(flank).upper()}_R{row}_C{column}"
-                direction = normal[f, r, c]
-                for kind, point in (("F", position[f, r, c]), ("FA", measured[f, r, c])):
-                    numbers = ",".join(f"{value:.10f}" for value in (*point, *direction))
-                    lines += [f"OUTPUT/{kind}({label})", f"{kind}({label})=FEAT/POINT,CART,{numbers}"]
+    for place, (flank, row, column) in cmm_csv.grid_places(dataset):
+        label = f"{flank.upper()}_R{row}_C{column}"
+        for kind, points in (("F", position), ("FA", measured)):
+            numbers = ",".join(f"{value:.10f}" for value in (*points[place], *normal[place]))
+            lines += [f"OUTPUT/{kind}({label})", f"{kind}({label})=FEAT/POINT,CART,{numbers}"]
     return "\n".join([*lines, "ENDFIL", ""])
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -69,14 +69,9 @@ class EdgeMargins:
         """
         corners = section.corners
         depth = float(np.mean(np.linalg.norm(corners[:, 1] - corners[:, 0], axis=-1)))
-        margins = {}
-        for name in (field.name for field in fields(self)):
-            value = getattr(self, name)
-            if value is None:
-                share = root_share if name == "root" else DEFAULT_MARGIN_SHARE
-                value = share * (section.face_width if name in ("toe", "heel") else depth)
-            margins[name] = float(value)
-        return margins
+        along, up = DEFAULT_MARGIN_SHARE * section.face_width, DEFAULT_MARGIN_SHARE * depth
+        usual = {"toe": along, "heel": along, "root": root_share * depth, "tip": up}
+        return {name: float(usual[name] if value is None else value) for name, value in vars(self).items()}
 
 
 def cmm_points(
@@ -143,37 +138,27 @@ def cmm_points(
     for name, flank in zip(names, points, strict=True):
         _check_measurable(name, flank, columns)
     values = np.stack([np.concatenate([flank.position, flank.normal]).T.reshape(rows, columns, 6) for flank in points])
-    dataset = cmm_csv.point_grid(
-        names,
-        values,
-        {},
-        {
-            "format": FORMAT,
-            "format_version": FORMAT_VERSION,
-            "length_unit": "mm",
-            "frame": "member: z along its axis from the crossing point to the heel, right-handed, tooth near x",
-            "normals": "unit vectors out of the tooth",
-            "deviation": "positive outward, along the normal",
-            "grid": "row 1 at the root, last row at the tip; column 1 at the toe, last column at the heel",
-            "number_of_teeth": member.teeth,
-            "hand_of_spiral": member.loaded.hand,
-            **attributes,
-            **{f"margin_{name}_mm": value for name, value in margins.items()},
-        },
-    )
-    return labelled(dataset)
+    attributes = {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "length_unit": "mm",
+        "frame": "member: z along its axis from the crossing point to the heel, right-handed, tooth near x",
+        "normals": "unit vectors out of the tooth",
+        "deviation": "positive outward, along the normal",
+        "grid": "row 1 at the root, last row at the tip; column 1 at the toe, last column at the heel",
+        "number_of_teeth": member.teeth,
+        "hand_of_spiral": member.loaded.hand,
+        **attributes,
+        **{f"margin_{name}_mm": value for name, value in margins.items()},
+    }
+    return labelled(cmm_csv.point_grid(names, values, {}, attributes))
 
 
 def _grid(section: BlankSection, margins: dict[str, float], rows: int, columns: int) -> tuple[Array, Array]:
     """Axial and radial coordinates (rows * columns) [mm]: the flank's own quadrilateral, each edge moved inwards."""
     outer = section.corners
     middle = outer.mean(axis=(0, 1))
-    edges = {
-        "toe": (outer[0, 0], outer[0, 1]),
-        "heel": (outer[1, 0], outer[1, 1]),
-        "root": (outer[0, 0], outer[1, 0]),
-        "tip": (outer[0, 1], outer[1, 1]),
-    }
+    edges = {"toe": outer[0], "heel": outer[1], "root": outer[:, 0], "tip": outer[:, 1]}
     normals, levels = {}, {}
     for name, (start, end) in edges.items():
         along = (end - start) / np.linalg.norm(end - start)
@@ -270,8 +255,7 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
     True
     """
     source = file_path("path", path)
-    text = _suffix(path) == ".csv"
-    dataset = labelled(cmm_csv.parsed(content(source), str(source))) if text else opened(source)
+    dataset = opened(source) if _suffix(path) == ".nc" else labelled(cmm_csv.parsed(content(source), str(source)))
     check_points(dataset, source, FORMAT)
     return dataset
 
@@ -313,13 +297,9 @@ def check_points(dataset: xr.Dataset, source: Path | str, *kinds: str) -> None:
             )
         if not np.all(np.isfinite(dataset[name].values)):
             raise InputError(f"{source}: {name!r} holds values that are no finite numbers")
-    for name in ("position", "normal"):
-        if name in dataset and dataset[name].dtype.kind in "fiu":
-            largest = float(np.max(np.abs(dataset[name].values), initial=0.0))
-            if not largest <= cmm_csv.COORDINATE_LIMIT:
-                raise InputError(
-                    f"{source}: {name!r} holds {largest:g}: must be at most {cmm_csv.COORDINATE_LIMIT:g} mm"
-                )
+        largest = float(np.max(np.abs(dataset[name].values), initial=0.0))
+        if largest > cmm_csv.COORDINATE_LIMIT:
+            raise InputError(f"{source}: {name!r} holds {largest:g}: must be at most {cmm_csv.COORDINATE_LIMIT:g} mm")
     cmm_csv.require_size(dataset.sizes["row"], dataset.sizes["column"], str(source))
     flanks = [str(name) for name in dataset["flank"].values]
     if dataset["flank"].dims != ("flank",) or not flanks or len({*flanks, "concave", "convex"}) != 2:

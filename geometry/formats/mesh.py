@@ -170,5 +170,4 @@ def triangles(points: Array, quads: Array) -> Array:
     first = np.where(shorter, np.stack([a, b, c]), np.stack([a, b, d]))
     second = np.where(shorter, np.stack([a, c, d]), np.stack([b, c, d]))
     both = np.stack([first, second], axis=0).transpose(2, 0, 1).reshape(-1, 3)
-    different = (both[:, 0] != both[:, 1]) & (both[:, 1] != both[:, 2]) & (both[:, 2] != both[:, 0])
-    return np.asarray(both[different])
+    return np.asarray(both[np.all(both != np.roll(both, 1, axis=1), axis=1)])

@@ -13,13 +13,13 @@ import io
 import os
 from collections import defaultdict, deque
 from collections.abc import Iterator, Mapping
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 
-from ...core import checks
 from ...core.arrays import Array
-from ...core.checks import file_path, instance
+from ...core.checks import array, file_path, instance, number, whole
 from ...core.errors import InputError, MissingPackageError, how_to_install
 from ...core.output_file import whole_file
 
@@ -30,21 +30,21 @@ SAME_POINT = 1e-6  # [mm]; far below any tolerance of a drawing, far above round
 
 def checked(patches: Mapping[str, Array]) -> dict[str, Array]:
     """Patches as float arrays; those that are no grid of finite points or have no area are refused."""
-    checks.instance("patches", patches, Mapping)
+    instance("patches", patches, Mapping)
     if not patches:
         raise InputError("no surface patches to write")
     result = {}
     for name, points in patches.items():
-        checks.instance("name of a patch", name, str)
-        array = checks.array(f"patch {name!r}", points, "mm", anything=True)
-        if array.ndim != 3 or array.shape[2] != 3 or min(array.shape[:2]) < 2:
-            raise InputError(f"patch {name!r} has the shape {array.shape}: must be (m, n, 3) with m and n at least 2")
-        if not np.all(np.isfinite(array)):
+        instance("name of a patch", name, str)
+        grid = array(f"patch {name!r}", points, "mm", anything=True)
+        if grid.ndim != 3 or grid.shape[2] != 3 or min(grid.shape[:2]) < 2:
+            raise InputError(f"patch {name!r} has the shape {grid.shape}: must be (m, n, 3) with m and n at least 2")
+        if not np.all(np.isfinite(grid)):
             raise InputError(f"patch {name!r} has points that are no finite numbers: a surface has no holes")
-        diagonals = array[1:, 1:] - array[:-1, :-1], array[1:, :-1] - array[:-1, 1:]
+        diagonals = grid[1:, 1:] - grid[:-1, :-1], grid[1:, :-1] - grid[:-1, 1:]
         if 0.5 * np.sum(np.linalg.norm(np.cross(*diagonals), axis=-1)) < NO_AREA:
             raise InputError(f"patch {name!r} has no area: leave it out")
-        result[name] = array
+        result[name] = grid
     return result
 
 
@@ -57,8 +57,8 @@ def merged(points: Array) -> tuple[Array, Array]:
     pairs = cKDTree(points).query_pairs(SAME_POINT, output_type="ndarray")
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points), len(points)))
     _, label = connected_components(graph, directed=False)
-    _, first, number = np.unique(label, return_index=True, return_inverse=True)
-    return points[first], number
+    _, first, numbers = np.unique(label, return_index=True, return_inverse=True)
+    return points[first], numbers
 
 
 def oriented(patches: Mapping[str, Array]) -> dict[str, Array]:
@@ -66,27 +66,25 @@ def oriented(patches: Mapping[str, Array]) -> dict[str, Array]:
 
     The first patch of every connected group is kept; others are turned by reversing their first index.
     """
-    arrays = checked(patches)
-    names = list(arrays)
-    _, number = merged(np.concatenate([array.reshape(-1, 3) for array in arrays.values()]))
+    grids = checked(patches)
+    _, numbers = merged(np.concatenate([grid.reshape(-1, 3) for grid in grids.values()]))
     # Who runs along which piece of border, and in which sense.
     users: dict[tuple[int, int], list[tuple[str, int]]] = defaultdict(list)
     start = 0
-    for name, array in arrays.items():
-        m, n = array.shape[:2]
-        border = _border(number[start : start + m * n].reshape(m, n))
+    for name, grid in grids.items():
+        m, n = grid.shape[:2]
+        border = _border(numbers[start : start + m * n].reshape(m, n))
         start += m * n
         for a, b in zip(border, np.roll(border, -1), strict=True):
             if a != b:
                 users[(min(a, b), max(a, b))].append((name, 1 if a < b else -1))
     neighbours: dict[str, list[tuple[str, int]]] = defaultdict(list)
     for along in users.values():
-        for i, (one, sense) in enumerate(along):
-            for other, other_sense in along[i + 1 :]:
-                neighbours[one].append((other, -sense * other_sense))
-                neighbours[other].append((one, -sense * other_sense))
+        for (one, sense), (other, other_sense) in combinations(along, 2):
+            neighbours[one].append((other, -sense * other_sense))
+            neighbours[other].append((one, -sense * other_sense))
     turn: dict[str, int] = {}
-    for name in names:
+    for name in grids:
         if name in turn:
             continue
         turn[name] = 1
@@ -102,13 +100,13 @@ def oriented(patches: Mapping[str, Array]) -> dict[str, Array]:
                         f"patches {current!r} and {other!r} share a border, but cannot both look outwards: the surface "
                         "has one side only, or more than two patches meet there"
                     )
-    return {name: array if turn[name] > 0 else array[::-1] for name, array in arrays.items()}
+    return {name: grid if turn[name] > 0 else grid[::-1] for name, grid in grids.items()}
 
 
 def rotations(teeth: int, pitch: float | None) -> Array:
     """Angles [rad] of the copies of a tooth about the axis; without a pitch [rad] spread over the whole turn."""
-    count = checks.whole("teeth", teeth, 1, COPY_COUNT_LIMIT)
-    return np.arange(count) * (2.0 * np.pi / count if pitch is None else checks.number("pitch", pitch, "rad"))
+    count = whole("teeth", teeth, 1, COPY_COUNT_LIMIT)
+    return np.arange(count) * (2.0 * np.pi / count if pitch is None else number("pitch", pitch, "rad"))
 
 
 def _border(grid: Array) -> Array:
