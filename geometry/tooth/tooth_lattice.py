@@ -24,9 +24,10 @@ The gear body under one tooth and beyond its ends, in the sections of the tooth'
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import astuple, dataclass, field, replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ...core.arrays import Array, Integers, record
 from ...core.checks import instance, positive, two_whole, whole
@@ -79,10 +80,7 @@ class LatticeSize:
 
     def finer(self, factor: float) -> LatticeSize:
         """The same lattice with ``factor`` times as many bricks in every direction."""
-        return LatticeSize(
-            *(max(round(factor * n), 1) for n in (self.lengthwise, self.upward, self.through, self.slot)),
-            *(max(round(factor * n), 1) for n in (self.beside, self.deep, self.overhang)),
-        )
+        return LatticeSize(*(max(round(factor * bricks), 1) for bricks in astuple(self)))
 
 
 @record(frozen=True)
@@ -207,14 +205,9 @@ def numbered(
 
 def layers(sections: Integers, plane: Integers) -> Integers:
     """Nodes (m, 3, 3, 3) of bricks between sections that begin at given nodes, on the cells of a plane lattice."""
-    threes = np.lib.stride_tricks.sliding_window_view(sections, 3)[::2]
-    return np.asarray((threes[:, None, :, None, None] + cells_of(plane)[:, None]).reshape(-1, 3, 3, 3))
-
-
-def cells_of(lattice: Integers) -> Integers:
-    """Nodes (m, 3, 3) of the plane cells of a lattice (2 a + 1, 2 b + 1)."""
-    windows = np.lib.stride_tricks.sliding_window_view(lattice, (3, 3))[::2, ::2]
-    return np.asarray(windows.reshape(-1, 3, 3))
+    threes = sliding_window_view(sections, 3)[::2]
+    cells = sliding_window_view(plane, (3, 3))[::2, ::2].reshape(-1, 3, 3)
+    return np.asarray((threes[:, None, :, None, None] + cells[:, None]).reshape(-1, 3, 3, 3))
 
 
 EDGE_THICKNESS_RATIO = 0.12  # of the outer bricks through the tooth to the inner ones, for the root stress
@@ -223,8 +216,7 @@ EDGE_THICKNESS_RATIO = 0.12  # of the outer bricks through the tooth to the inne
 def graded(count: int, ratio: float, steady: int = 3) -> Array:
     """Fractions (2 count + 1) from 0 to 1 of vertices and middles; the first ``steady`` intervals grow by ``ratio``."""
     sizes = ratio ** np.minimum(np.arange(count), steady)
-    ends = np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum()
-    return with_middles(ends)
+    return with_middles(np.concatenate([[0.0], np.cumsum(sizes)]) / sizes.sum())
 
 
 def with_middles(ends: Array) -> Array:
@@ -368,8 +360,7 @@ def overhang(sections: LatticeSections, body: Array, end: int, away: Array, web:
         up[away.size] = 0.5 * (up[away.size - 1] + slimmer)
         away, slope = np.concatenate([away, further]), np.append(slope, np.full(further.size, slope[-1]))
     t = sections.lengthwise[end] + (away if end else -away) / length
-    middle = sections.middle[end] + slope
-    beyond = LatticeSections.at(sections.blank, t, sections.turn, middle)
+    beyond = LatticeSections.at(sections.blank, t, sections.turn, sections.middle[end] + slope)
     up = up.reshape(t.size, -1)
     angle = body[0, end] / sections.radial(body[1])[1][end]
     plane = np.stack([angle.ravel() * beyond.radial(up)[1], up])
@@ -395,9 +386,6 @@ def _web_distances(sections: LatticeSections, floor: float, start: float, length
     count = max(round((reach - first) / (start * WEB_BRICK_LENGTH)), 2)
     rest = first + (reach - first) * np.arange(1, 2 * count + 1) / (2 * count)
     return np.asarray(start + np.concatenate([[0.5 * first, first], rest]))
-
-
-__all__ = ["DEPTH_PER_HEIGHT", "SHELL_HINT", "LatticeSize", "ToothLattice", "Web", "tooth_lattice", "usual_depth"]
 
 
 SURFACE_NODES = (25, 25)  # up the fillet and up the flank
@@ -468,7 +456,9 @@ def tooth_lattice(
     except GeometryError as error:
         raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)
-    sections = _sections(blank, t, turn, tooth.loaded.flank[:, :, -1], tooth.opposite.flank[:, :, -1])
+    azimuths = [np.arctan2(tip[1], tip[0]) for tip in (tooth.loaded.flank[:, :, -1], tooth.opposite.flank[:, :, -1])]
+    swing = np.mod(turn * (azimuths[1] - azimuths[0]) + np.pi, 2.0 * np.pi) - np.pi
+    sections = LatticeSections.at(blank, t, turn, azimuths[0] + 0.5 * turn * swing)
     pitch = 2.0 * np.pi / named_member(pair, member).teeth
 
     floors, sides = [], []
@@ -490,15 +480,9 @@ def tooth_lattice(
     away = OVERHANG_PER_DEPTH * depth * graded(size.overhang, 1.5)[1:] if size.overhang else np.empty(0)
     ends = [overhang(sections, body, 0, away, web), overhang(sections, body, -1, away)]
 
-    normal = _flank_normals(sections, tooth.loaded, up)
     profile = sides[0][1] / sections.depth[:, None]
+    normal = _flank_normals(sections, tooth.loaded, up)
     return numbered(nodes, ends, size, body.shape[2:], normal, (t, through, up), profile)
-
-
-def _sections(blank: BlankSection, t: Array, turn: float, front: Array, back: Array) -> LatticeSections:
-    azimuths = [np.arctan2(tip[1], tip[0]) for tip in (front, back)]
-    swing = np.mod(turn * (azimuths[1] - azimuths[0]) + np.pi, 2.0 * np.pi) - np.pi
-    return LatticeSections.at(blank, t, turn, azimuths[0] + 0.5 * turn * swing)
 
 
 def _corner(side: ToothSide) -> int:

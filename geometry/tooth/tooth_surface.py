@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 import xarray as xr
@@ -61,10 +62,8 @@ class ToothSide:
 
     def turned(self, angle: float) -> ToothSide:
         """The same side turned about the member's axis [rad]."""
-        turn = np.asarray(angle)
-        return ToothSide(
-            *(rotate(Z_AXIS, turn, v) for v in (self.fillet, self.fillet_normal, self.flank, self.flank_normal))
-        )
+        vectors = (self.fillet, self.fillet_normal, self.flank, self.flank_normal)
+        return ToothSide(*(rotate(Z_AXIS, np.asarray(angle), each) for each in vectors))
 
 
 @lru_cache(maxsize=8)  # a tooth and the body under it have the same sides, loaded on either
@@ -85,11 +84,9 @@ def tooth_side(
             f"the fillet of the {side(surface)} flank reaches {100 * start.max():.0f} % of the way to the tip: check "
             "tool_edge_radius and toprem_depth"
         )
-    up = np.linspace(0.0, 1.0, flank_nodes)[1:]
-    heights = start[:, None] + (1.0 - start[:, None]) * up
+    heights = start[:, None] + (1.0 - start[:, None]) * np.linspace(0.0, 1.0, flank_nodes)[1:]
     t = np.broadcast_to(lengthwise[:, None], heights.shape)
-    axial, radial = section.points(t.ravel(), heights.ravel())
-    flank = solve_flank(surface, section, axial, radial)
+    flank = solve_flank(surface, section, *section.points(t.ravel(), heights.ravel()))
     missing = ~np.all(np.isfinite(flank.position), axis=0)
     if np.any(missing):
         raise GeometryError(
@@ -108,20 +105,15 @@ def _fillet(
 ) -> tuple[Array, Array]:
     """Points and normals (3, nt, nf) that the edge radius cuts, at blade coordinates within it."""
     lowest = surface.flank_parts[0]
-    axial, radial = section.points(lengthwise, np.zeros_like(lengthwise))
     # On the joint, where both surfaces touch; then downwards: the coordinate changes ever faster towards the root land.
-    parameters = solve_flank(lowest, section, axial, radial).parameters
-    parameters, _, _ = _at_coordinate(lowest, section, lengthwise, 0.0, parameters)
-    points: list[Array] = []
-    normals: list[Array] = []
-    before = 0.0
-    for coordinate in coordinates[::-1].tolist():
-        stride = before, coordinate
+    start = solve_flank(lowest, section, *section.points(lengthwise, np.zeros_like(lengthwise)))
+    parameters, _, _ = _at_coordinate(lowest, section, lengthwise, 0.0, start.parameters)
+    points, normals = [], []
+    for stride in pairwise([0.0, *coordinates[::-1].tolist()]):
         parameters, position, normal = _followed(surface.on("edge"), section, lengthwise, stride, parameters)
-        points.insert(0, position)
-        normals.insert(0, normal)
-        before = coordinate
-    return np.stack(points, axis=2), np.stack(normals, axis=2)
+        points.append(position)
+        normals.append(normal)
+    return np.stack(points[::-1], axis=2), np.stack(normals[::-1], axis=2)
 
 
 def _followed(
@@ -198,9 +190,8 @@ def _lengthwise(section: BlankSection, position: Array) -> Array:
 def _neighbours(nodes: NDArray[np.intp], count: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     """The nodes on both sides of each of ``nodes`` out of ``count``; at an end the two next to it."""
     first = np.clip(nodes - 1, 0, count - 3)
-    return np.where(first == nodes, nodes + 1, first), np.where(
-        nodes == count - 1, count - 2, np.minimum(first + 2, count - 1)
-    )
+    second = np.where(nodes == count - 1, count - 2, np.minimum(first + 2, count - 1))
+    return np.where(first == nodes, nodes + 1, first), second
 
 
 @dataclass(frozen=True)
@@ -246,18 +237,13 @@ def tooth_surface(
             f"the fillets of the {member}'s slot overlap on {100 * np.mean(roots <= 0):.0f} % of the face: make "
             "tool_edge_radius smaller"
         )
-    width = np.linspace(0.0, 1.0, TOP_LAND_NODES)
-    half = np.linspace(0.5, 0.0, ROOT_LAND_NODES)
-    return ToothSurface(
-        front,
-        back,
-        tuple(placed),
-        _land(front.flank[:, :, -1], back.flank[:, :, -1], turn * tips, width),
-        (
-            _land(front.fillet[:, :, 0], back.fillet[:, :, 0], -turn * roots, half),
-            _land(back.fillet[:, :, 0], front.fillet[:, :, 0], turn * roots, half),
-        ),
+    width, half = np.linspace(0.0, 1.0, TOP_LAND_NODES), np.linspace(0.5, 0.0, ROOT_LAND_NODES)
+    top_land = _land(front.flank[:, :, -1], back.flank[:, :, -1], turn * tips, width)
+    root_lands = (
+        _land(front.fillet[:, :, 0], back.fillet[:, :, 0], -turn * roots, half),
+        _land(back.fillet[:, :, 0], front.fillet[:, :, 0], turn * roots, half),
     )
+    return ToothSurface(front, back, tuple(placed), top_land, root_lands)
 
 
 def _azimuth(points: Array) -> Array:
@@ -344,8 +330,7 @@ def contact_heights(pair: GearPair, lengthwise: Array) -> tuple[Array, Array]:
     The pinion's is where the gear's tip touches and vice versa; NaN where a tip finds no flank of its mate. Places are
     lengthwise fractions on pinion and gear.
     """
-    profile = np.linspace(0.0, 1.0, PROFILE_NODES)
-    gear, section = pair.gear.flank(lengthwise, profile), pair.pinion.section
+    gear, section = pair.gear.flank(lengthwise, np.linspace(0.0, 1.0, PROFILE_NODES)), pair.pinion.section
     ease_off = exact_ease_off(gear, pair.pinion.loaded, section, pair.assembly)
     shape = (lengthwise.size, PROFILE_NODES)
     position = ease_off.pinion_position.reshape(3, *shape)
@@ -386,10 +371,8 @@ def end_faces(member: Member) -> tuple[EndFace, EndFace]:
     face *= np.sign(np.sum(face * outward, axis=1, keepdims=True))
     radial = flank.position[:2] / np.hypot(*flank.position[:2])
     agreeing = face[:, 0] * flank.normal[2] + face[:, 1] * np.sum(radial * flank.normal[:2], axis=0)
-    toe, heel = (
-        EndFace(float(slant), float(height)) for slant, height in zip(-np.arcsin(agreeing), heights, strict=True)
-    )
-    return toe, heel
+    toe, heel = zip((-np.arcsin(agreeing)).tolist(), heights.tolist(), strict=True)
+    return EndFace(*toe), EndFace(*heel)
 
 
 LENGTHWISE_STEP = 1e-3  # of the face, over which the slope of the tooth line is taken
@@ -524,11 +507,9 @@ def transverse_thickness(surface: ToothSurface, section: BlankSection) -> Array:
 
     thickness = np.empty((surface.top_land.shape[1], THICKNESS_LEVELS))
     for index in range(thickness.shape[0]):
-        heights, azimuths = zip(
-            *(_profile(side, section, index) for side in (surface.loaded, surface.opposite)), strict=True
-        )
-        common = np.linspace(max(h[0] for h in heights), 1.0, THICKNESS_LEVELS)
-        front, back = (PchipInterpolator(h, a)(common) for h, a in zip(heights, azimuths, strict=True))
+        profiles = [_profile(side, section, index) for side in (surface.loaded, surface.opposite)]
+        common = np.linspace(max(heights[0] for heights, _ in profiles), 1.0, THICKNESS_LEVELS)
+        front, back = (PchipInterpolator(*profile)(common) for profile in profiles)
         _, radius = section.points(np.full(THICKNESS_LEVELS, index / (thickness.shape[0] - 1)), common)
         thickness[index] = 2.0 * radius * np.abs(np.sin(0.5 * (back - front)))
     return thickness
