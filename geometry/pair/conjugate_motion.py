@@ -45,21 +45,19 @@ class ConjugateMotion:
 
     def _coefficients(self, position: Array, normal: Array) -> tuple[Array, Array, Array]:
         """A, B, C of the conjugacy equation."""
-        ratio = self.assembly.ratio
         a_p, a_g = self.pinion_axis, self.gear_axis
         moment = cross(position - column(self.assembly.pinion_origin, position), normal)
         shift = np.cross(a_g, self.assembly.gear_origin - self.assembly.pinion_origin)
 
         def split(fixed: Array, vector: Array) -> tuple[Array, Array, Array]:
             # fixed . Rot(a_p, q) vector = alpha cos q + beta sin q + gamma
-            along = dot(column(a_p, vector), vector)
-            gamma = np.dot(fixed, a_p) * along
+            gamma = np.dot(fixed, a_p) * dot(column(a_p, vector), vector)
             turned = cross(column(a_p, vector), vector)
             return dot(column(fixed, vector), vector) - gamma, dot(column(fixed, vector), turned), gamma
 
         alpha, beta, gamma = split(a_g, moment)
         alpha_n, beta_n, gamma_n = split(shift, normal)
-        driving = ratio * dot(column(a_p, moment), moment)
+        driving = self.assembly.ratio * dot(column(a_p, moment), moment)
         return alpha - alpha_n, beta - beta_n, driving - gamma + gamma_n
 
     def roots(self, position: Array, normal: Array) -> tuple[Array, Array]:
@@ -91,11 +89,8 @@ class ConjugateMotion:
 
     def turned(self, position: Array, normal: Array, rotation: Array) -> tuple[Array, Array]:
         """Positions [mm] and normals (3, n) in the global frame, turned with the pinion."""
-        origin = column(self.assembly.pinion_origin, position)
-        return (
-            rotate(self.pinion_axis, rotation, position - origin) + origin,
-            rotate(self.pinion_axis, rotation, normal),
-        )
+        axis, origin = self.pinion_axis, column(self.assembly.pinion_origin, position)
+        return rotate(axis, rotation, position - origin) + origin, rotate(axis, rotation, normal)
 
     def in_gear(self, vector: Array, rotation: Array) -> Array:
         """Global positions taken into the gear frame, the gear turned by ``rotation`` over the ratio (Eq. 2.20)."""
@@ -107,8 +102,7 @@ class ConjugateMotion:
         position, normal = self.pinion_point(parameters)
         rotation = self.rotation(position, normal)
         origin = column(self.assembly.pinion_origin, position)
-        action = rotate(self.pinion_axis, rotation, position - origin) + origin
-        return self.in_gear(action, rotation), rotation
+        return self.in_gear(rotate(self.pinion_axis, rotation, position - origin) + origin, rotation), rotation
 
     def closing_and_place(self, points: SurfacePoints, rotation: Array) -> tuple[Array, Array]:
         """``closing_velocity`` and axial and radial place [mm] (3, n), and their derivatives (3, 3, n).
@@ -137,14 +131,10 @@ class ConjugateMotion:
             (moved[0] * normal[1] - moved[1] * normal[0]) + (position[0] * turned[1] - position[1] * turned[0])
         )
         share = pinion_lever / lever
+        closing = (pinion_slopes - share * lever_slopes) / lever
         outward = (from_gear - axial * axis) / radial
         values = np.stack([share - 1.0 / self.assembly.ratio, axial, radial])
-        slopes = [
-            (pinion_slopes - share * lever_slopes) / lever,
-            dot(axis[:, None], moved),
-            dot(outward[:, None], moved),
-        ]
-        return values, np.stack(slopes, axis=1)
+        return values, np.stack([closing, dot(axis[:, None], moved), dot(outward[:, None], moved)], axis=1)
 
     def conjugate_place(self, points: SurfacePoints) -> tuple[Array, Array]:
         """Axial and radial coordinates (2, n) [mm] of the conjugate gear points, and their derivatives (2, 2, n)."""

@@ -14,6 +14,7 @@ they are velocities in space.
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -182,16 +183,11 @@ def _whole_turns(angles: Array) -> float:
 
 def _deepest(motion: ConjugateMotion, surfaces: list[EaseOff]) -> EaseOff:
     """Ease-off with a pinion flank of several sections: at every node the section with the largest gap."""
-    first = surfaces[0].angle
-    whole_turns = [_whole_turns(s.angle - first) for s in surfaces]
-    angles = [s.angle - 2 * np.pi * turns for s, turns in zip(surfaces, whole_turns, strict=True)]
-    parts = motion.surface.flank_parts
-    choice = deepest(parts, [s.blade_distance for s in surfaces], angles)
-    whole = ("motion", "pinion_section", "angle", "part")
-    arrays = [field.name for field in fields(EaseOff) if field.name not in whole]
-    picked = {name: pick([getattr(s, name) for s in surfaces], choice) for name in arrays}
-    section = surfaces[0].pinion_section
-    return EaseOff(motion=motion, pinion_section=section, angle=pick(angles, choice), part=choice, **picked)
+    angles = [s.angle - 2 * np.pi * _whole_turns(s.angle - surfaces[0].angle) for s in surfaces]
+    choice = deepest(motion.surface.flank_parts, [s.blade_distance for s in surfaces], angles)
+    names = [f.name for f in fields(EaseOff) if f.name not in ("motion", "pinion_section", "angle", "part")]
+    picked: dict[str, Any] = {name: pick([getattr(s, name) for s in surfaces], choice) for name in names}
+    return replace(surfaces[0], motion=motion, angle=pick(angles, choice), part=choice, **picked)
 
 
 def _starts(motion: ConjugateMotion, seeds: SeedLattice, target: Array) -> tuple[SurfacePoints, float]:

@@ -28,7 +28,7 @@ from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.flank import Flank, on_parts
 from ..vectors import dot
 from .ease_off import EaseOff, drift
-from .gear_pair import NODE_FIELDS, GearPair, PairGeometry, first_contact
+from .gear_pair import NODE_FIELDS, NODE_VECTORS, GearPair, PairGeometry, first_contact
 from .modification import Modification
 from .near_pair import KnownPair, NearPair, Origin, PairSetting, at_places, rate, uneven
 
@@ -99,15 +99,13 @@ class _Fields:
     def __call__(self, near: NearPair) -> dict[str, Array]:
         exact, gear, nodes = near.exact, near.gear, self.geometry.nodes
         put_in = self.added / exact.lever_arm
+        vectors = {"position": gear.position, **{name: getattr(exact, name) for name in NODE_VECTORS}}
         values = {
             "ease_off_angle": (exact.angle + put_in).reshape(nodes),
             "put_in": put_in.reshape(nodes),
-            "position": np.moveaxis(gear.position.reshape(3, *nodes), 0, -1),
+            **{name: np.moveaxis(vector.reshape(3, *nodes), 0, -1) for name, vector in vectors.items()},
+            **{name: getattr(exact, name).reshape(nodes) for name in (*NODE_FIELDS, "blade_distance")},
         }
-        for name in (*NODE_FIELDS, "blade_distance"):
-            values[name] = getattr(exact, name).reshape(nodes)
-        for name in ("action_position", "action_normal"):
-            values[name] = np.moveaxis(getattr(exact, name).reshape(3, *nodes), 0, -1)
         # Most settings leave one of both members alone.
         same_pinion = exact.pinion_position is self.geometry.exact.pinion_position
         same_gear = gear.position is self.geometry.members.gear.position

@@ -21,18 +21,18 @@ from .ease_off import Drift, EaseOff, drift, exact_ease_off
 from .member_names import MEMBERS as MEMBERS, FlankName as FlankName
 from .tooth_body import ShellCoordinates, ToothBody, middle_angle, opposite_surface, tooth_body
 
-#: Fields of an ``EaseOff`` that a result has as they are.
+#: Fields of an ``EaseOff`` that a result has as they are: numbers, and vectors in space.
 NODE_FIELDS = (
     *("roll_angle", "lever_arm", "separation_curvature", "separation_skew"),
     *("pinion_lengthwise", "pinion_profile"),
 )
+NODE_VECTORS = ("action_position", "action_normal")
 STATUS = flag_attributes({int(s): s.name for s in NodeStatus})
 
 
 def _on_grid(values: Array, shape: tuple[int, int]) -> Array:
     """Components-first values (..., n) as (lengthwise, profile, ...)."""
-    grid = values.reshape(*values.shape[:-1], *shape)
-    return np.moveaxis(grid, (-2, -1), (0, 1))
+    return np.moveaxis(values.reshape(*values.shape[:-1], *shape), (-2, -1), (0, 1))
 
 
 def flank_dataset(lengthwise: Array, profile: Array, flank: Flank) -> xr.Dataset:
@@ -53,13 +53,6 @@ def flank_dataset(lengthwise: Array, profile: Array, flank: Flank) -> xr.Dataset
             coords={"lengthwise": lengthwise, "profile": profile, "xyz": list("xyz"), "principal": [1, 2]},
         )
     )
-
-
-def flanks_dataset(lengthwise: Array, profile: Array, pinion: Flank, gear: Flank) -> xr.Dataset:
-    """Both members' flanks on their own grids, over (member, lengthwise, profile); see ``flank_dataset``."""
-    members = [flank_dataset(lengthwise, profile, flank) for flank in (pinion, gear)]
-    both = xr.concat(members, xr.DataArray(["pinion", "gear"], dims="member", name="member"), combine_attrs="override")
-    return labelled(both)
 
 
 def first_contact(angle: Array, inside: Array) -> float:
@@ -99,11 +92,10 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift
         "pinion_profile_acceleration": drift.profile[1],
         "blade_distance": ease_off.blade_distance,
     }
-    vectors = {"action_position": ease_off.action_position, "action_normal": ease_off.action_normal}
     motion = ease_off.motion
     dataset = xr.Dataset(
         {name: (grid, value.reshape(shape)) for name, value in values.items()}
-        | {name: ((*grid, "space"), _on_grid(value, shape)) for name, value in vectors.items()}
+        | {name: ((*grid, "space"), _on_grid(getattr(ease_off, name), shape)) for name in NODE_VECTORS}
         | {
             "status": (grid, ease_off.status.reshape(shape), STATUS),
             "inside": (grid, ease_off.inside.astype(np.int8).reshape(shape)),
@@ -130,20 +122,20 @@ def teeth_dataset(
     """Both teeth as plates, and the feet of the contact normals, over (member, lengthwise, profile)."""
     shape = (lengthwise.size, profile.size)
     grid = ("member", "lengthwise", "profile")
-    values = {
-        "shell_height": [c.height for c in coordinates],
-        "shell_arc": [c.arc for c in coordinates],
-        "depth": [c.depth for c in coordinates],
+    ends, edges = ("member", "tooth_end"), ("member", "tooth_end", "plate_edge")
+    data: dict[str, Any] = {
+        "shell_height": (grid, np.stack([c.height.reshape(shape) for c in coordinates])),
+        "shell_arc": (grid, np.stack([c.arc.reshape(shape) for c in coordinates])),
+        "depth": (grid, np.stack([c.depth.reshape(shape) for c in coordinates])),
+        "shell_direction": ((*grid, "shell_axis"), np.stack([_on_grid(c.direction, shape) for c in coordinates])),
+        "trace_length": ("member", [b.trace_length for b in bodies]),
+        "trace_radius": ("member", [b.trace_radius for b in bodies]),
+        "tooth_height": (ends, np.stack([b.height for b in bodies])),
+        "plate_thickness": (edges, np.stack([b.thickness for b in bodies])),
+        "fitted_thickness": (edges, np.stack([b.fitted_thickness for b in bodies])),
+        "bulge": (ends, np.stack([b.bulge for b in bodies])),
+        "fanning": ("member", [b.fanning for b in bodies]),
     }
-    data: dict[str, Any] = {name: (grid, np.stack([v.reshape(shape) for v in both])) for name, both in values.items()}
-    data["shell_direction"] = ((*grid, "shell_axis"), np.stack([_on_grid(c.direction, shape) for c in coordinates]))
-    data["trace_length"] = ("member", [b.trace_length for b in bodies])
-    data["trace_radius"] = ("member", [b.trace_radius for b in bodies])
-    data["tooth_height"] = (("member", "tooth_end"), np.stack([b.height for b in bodies]))
-    data["plate_thickness"] = (("member", "tooth_end", "plate_edge"), np.stack([b.thickness for b in bodies]))
-    data["fitted_thickness"] = (("member", "tooth_end", "plate_edge"), np.stack([b.fitted_thickness for b in bodies]))
-    data["bulge"] = (("member", "tooth_end"), np.stack([b.bulge for b in bodies]))
-    data["fanning"] = ("member", [b.fanning for b in bodies])
     coords = {
         "member": ["pinion", "gear"],
         "lengthwise": lengthwise,
@@ -299,8 +291,10 @@ class MemberGeometry:
 
     @cached_property
     def flanks(self) -> xr.Dataset:
-        """Both flanks as a dataset."""
-        return flanks_dataset(self.lengthwise, self.profile, self.pinion, self.gear)
+        """Both flanks on their own grids, over (member, lengthwise, profile); see ``flank_dataset``."""
+        each = [flank_dataset(self.lengthwise, self.profile, flank) for flank in (self.pinion, self.gear)]
+        names = xr.DataArray(["pinion", "gear"], dims="member", name="member")
+        return labelled(xr.concat(each, names, combine_attrs="override"))
 
     @cached_property
     def gear_feet(self) -> ShellCoordinates:

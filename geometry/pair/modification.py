@@ -26,8 +26,7 @@ NAMED_TERM_POWERS = {
 def terms(order: int) -> tuple[str, ...]:
     """Names of the terms t^a h^b of the total order a + b = 1 ... ``order``."""
     whole("order", order, min(TERM_ORDERS), max(TERM_ORDERS))
-    higher = (_name(total - b, b) for total in range(3, order + 1) for b in range(total + 1))
-    return (*NAMED_TERM_POWERS, *higher)
+    return tuple(name for name, powers in TERM_POWERS.items() if sum(powers) <= order)
 
 
 def _name(a: int, b: int) -> str:
@@ -48,8 +47,7 @@ def basis(names: tuple[str, ...], lengthwise: Array, profile: Array) -> Array:
     """
     t, h = 2.0 * np.asarray(lengthwise) - 1.0, 2.0 * np.asarray(profile) - 1.0
     powers = [(-1.0 if name == "bias" else 1.0, *TERM_POWERS[name]) for name in names]
-    columns = [sign * t**a * h**b for sign, a, b in powers]
-    return np.stack(columns, axis=-1)
+    return np.stack([sign * t**a * h**b for sign, a, b in powers], axis=-1)
 
 
 @dataclass(frozen=True)

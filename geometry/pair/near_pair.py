@@ -31,7 +31,6 @@ from .modification import TERM_POWERS
 #: Usual steps of the assembly errors, by their names in ``Misalignment`` [mm or rad].
 ERROR_STEPS = {"offset": 0.3, "pinion_axial": 0.3, "gear_axial": 0.3, "shaft_angle": 0.003}
 
-
 Origin = Literal["pinion", "gear", "assembly", "modification"]
 
 
@@ -77,13 +76,10 @@ class PairSetting:
         """True if the pair has it: a Formate flank has no roll and motions, a face-milled one no rake and hook."""
         if self.of not in ("pinion", "gear"):
             return True
-        surface = _designed(pair, self.of)
-        rolling = (
-            self.name == "ratio_of_roll" or self.name in MODIFIED_ROLL_ORDERS or MOTION_PATTERN.fullmatch(self.name)
-        )
-        if rolling and not surface.settings.generated:
-            return False
-        return not (self.name in ("rake_angle", "hook_angle") and surface.settings.indexing_ratio == 0.0)
+        settings = _designed(pair, self.of).settings
+        if self.name == "ratio_of_roll" or self.name in MODIFIED_ROLL_ORDERS or MOTION_PATTERN.fullmatch(self.name):
+            return settings.generated
+        return settings.indexing_ratio != 0.0 or self.name not in ("rake_angle", "hook_angle")
 
 
 def _designed(pair: GearPair, of: str) -> GeneratingSurface:
@@ -92,8 +88,7 @@ def _designed(pair: GearPair, of: str) -> GeneratingSurface:
 
 def is_angle(setting: PairSetting) -> bool:
     """True if the number is an angle, or the derivative of one by the cradle increment [rad]."""
-    base = setting.name.rsplit("_motion_", 1)[0]
-    return base.endswith(("_angle", "cutter_tilt", "cutter_swivel"))
+    return setting.name.rsplit("_motion_", 1)[0].endswith(("_angle", "cutter_tilt", "cutter_swivel"))
 
 
 #: Steps of a fourth-order difference, see ``rate``.
@@ -220,23 +215,23 @@ class KnownPair:
         motions = [self.motion(pair) for pair in pairs]
 
         def place(motion: ConjugateMotion) -> Array:
-            def of_part(surface: GeneratingSurface, parameters: Array) -> Array:
-                x, y, z = replace(motion, surface=surface).conjugate_gear(parameters)[0]
-                return np.stack([z, np.hypot(x, y)])
-
-            return on_parts(motion.surface.flank_parts, known.part, pinion_parameters, of_part)
+            x, y, z = on_parts(
+                motion.surface.flank_parts,
+                known.part,
+                pinion_parameters,
+                lambda surface, parameters: replace(motion, surface=surface).conjugate_gear(parameters)[0],
+            )
+            return np.stack([z, np.hypot(x, y)])
 
         with np.errstate(all="ignore"):
             first, second = self._pinion_slopes
             moved = -cramers_rule(first, second, rate([place(motion) for motion in motions], step))
         moved = np.where(np.isfinite(moved), moved, 0.0)
-        ease_offs = []
+        ease_offs, section, solved = [], known.pinion_section, np.isfinite(known.angle)
         for number, motion in zip(PLACES, motions, strict=True):
             each = []
             for part, side in zip(motion.surface.flank_parts, self._pinion_sides, strict=True):
                 points = SurfacePoints.of(part, pinion_parameters + number * step * moved)
-                solved = np.isfinite(known.angle)
-                section = known.pinion_section
                 each.append(classified(replace(motion, surface=part), section, self.gear, points, solved, side))
             ease_offs.append(self._joined(motion, each))
         return ease_offs

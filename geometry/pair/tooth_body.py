@@ -61,8 +61,7 @@ class ToothBody:
     def shell_coordinates(self, position: Array, normal: Array) -> ShellCoordinates:
         """Foot, direction and depth of contact forces at points [mm] with outward normals (3, n) of the flank."""
         t, h = self.section.fractions(position[2], np.hypot(position[0], position[1]))
-        half = self.turn * legendre.legval2d(2 * t - 1, 2 * h - 1, self.half_angle)
-        middle = rotate(Z_AXIS, half, position)
+        middle = rotate(Z_AXIS, self.turn * legendre.legval2d(2 * t - 1, 2 * h - 1, self.half_angle), position)
         axis = np.stack([legendre.legval2d(2 * t - 1, 2 * h - 1, c) for c in self.middle_normal])
         # The series describes the normal at azimuth zero of the point, so that it varies slowly.
         axis = rotate(Z_AXIS, np.arctan2(middle[1], middle[0]), axis / np.sqrt(dot(axis, axis)))
@@ -84,9 +83,8 @@ class ToothBody:
 
 def opposite_surface(surface: GeneratingSurface) -> GeneratingSurface:
     """The other flank a cutter would cut in the same machine: the other blade at the same pressure angle."""
-    side = surface.blade.side_sign
-    blade = replace(surface.blade, side="inside" if side > 0 else "outside")
-    return replace(surface, blade=blade)
+    blade = surface.blade
+    return replace(surface, blade=replace(blade, side="inside" if blade.side == "outside" else "outside"))
 
 
 def middle_angle(section: BlankSection, loaded: GeneratingSurface, opposite: GeneratingSurface) -> tuple[float, float]:
@@ -145,8 +143,7 @@ def _trace(section: BlankSection, azimuth: Array, normal: Array) -> tuple[Array,
     x = np.polynomial.chebyshev.chebpts2(33)
     curve = _curve(section, azimuth, x, 0.5)
     first, second = legendre.legder(curve), legendre.legder(curve, 2)
-    speed = np.linalg.norm(legendre.legval(x, first), axis=0)
-    arc = legendre.legint(legendre.legfit(x, speed, 8))
+    arc = legendre.legint(legendre.legfit(x, np.linalg.norm(legendre.legval(x, first), axis=0), 8))
     middle = np.array([legendre.legval2d(0.0, 0.0, c) for c in normal])
     turned = rotate(Z_AXIS, np.asarray(legendre.legval2d(0.0, 0.0, azimuth)), middle)
     curvature = float(legendre.legval(0.0, second) @ turned) / float(np.sum(legendre.legval(0.0, first) ** 2))
@@ -164,15 +161,10 @@ def _curve(section: BlankSection, azimuth: Array, x: Array, height: float) -> Ar
 def _fanning(section: BlankSection, azimuth: Array) -> float:
     """Growth of the trace's length from root to tip, over its length at mid height and the height [1/mm]."""
     x, weights = legendre.leggauss(32)
-    lengths = [
-        float(weights @ np.linalg.norm(legendre.legval(x, legendre.legder(_curve(section, azimuth, x, h))), axis=0))
-        for h in (0.0, 0.5, 1.0)
-    ]
-    corners = section.corners
-    height = float(
-        np.mean([section.height_above_root(*end[1]) - section.height_above_root(*end[0]) for end in corners])
-    )
-    return (lengths[2] - lengths[0]) / (lengths[1] * height)
+    slopes = [legendre.legder(_curve(section, azimuth, x, h)) for h in (0.0, 0.5, 1.0)]
+    lengths = [float(weights @ np.linalg.norm(legendre.legval(x, slope), axis=0)) for slope in slopes]
+    heights = [section.height_above_root(*tip) - section.height_above_root(*root) for root, tip in section.corners]
+    return (lengths[2] - lengths[0]) / (lengths[1] * float(np.mean(heights)))
 
 
 def _plate(

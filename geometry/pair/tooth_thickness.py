@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 from ...core.arrays import Array
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import SurfacePoints
-from ..flanks.flank import Flank, NodeStatus, pick, solve_flank
+from ..flanks.flank import Flank, NodeStatus, on_parts, solve_flank
 from .assembly import Misalignment
 from .ease_off import conjugate_motion, exact_ease_off
 from .gear_pair import GearPair, Member, grid, spiral_cosine, thickness_per_angle, tooth_angles
@@ -153,8 +153,7 @@ def _normal_arc(member: Member, flanks: list[Flank]) -> float:
 
 def mean_thicknesses(pair: GearPair) -> Array:
     """Normal circular thickness (2) of the teeth of pinion and gear in the middle of the flank [mm]."""
-    per_angle = [thickness_per_angle(member) for member in (pair.pinion, pair.gear)]
-    return np.array(tooth_angles(pair)) * per_angle
+    return np.array(tooth_angles(pair)) * [thickness_per_angle(member) for member in (pair.pinion, pair.gear)]
 
 
 def thickness_slopes(pair: GearPair, settings: Sequence[PairSetting]) -> Array:
@@ -177,16 +176,15 @@ def filling_thickness(pair: GearPair) -> float:
     The gear's is that of ``gear_pair.tooth_angles``; both members need both flanks.
     """
     other = replace(pair, pinion=pair.pinion.from_opposite, gear=pair.gear.from_opposite)
-    touching, senses = [], []
-    for side in (pair, other):
-        t, h = grid(NODES)
-        surface = exact_ease_off(side.gear.flank(t, h), side.pinion.loaded, side.pinion.section, side.assembly)
-        touching.append(float(surface.angle[surface.inside].min()))
-        senses.append(surface.motion.pinion_sense)
+    sides = [
+        exact_ease_off(side.gear.flank(*grid(NODES)), side.pinion.loaded, side.pinion.section, side.assembly)
+        for side in (pair, other)
+    ]
+    touching = sum(float(side.angle[side.inside].min()) for side in sides)
     turn, as_cut = pair.gear.middle_angle()
     gear_rotation = turn * (tooth_angles(pair)[1] - as_cut)
     # Each side touches where the gear is turned by its least ease-off against its own sense of drive.
-    rotation = -pair.assembly.ratio * (gear_rotation + senses[0] * sum(touching))
+    rotation = -pair.assembly.ratio * (gear_rotation + sides[0].motion.pinion_sense * touching)
     turn, as_cut = pair.pinion.middle_angle()
     angle = float(np.mod(as_cut + turn * rotation, 2.0 * np.pi / pair.pinion.teeth))
     return angle * thickness_per_angle(pair.pinion)
@@ -213,8 +211,7 @@ def unmet_tips(pair: GearPair) -> tuple[float, float]:
     status = np.zeros(TIP_NODES, dtype=np.int8)
     if np.any(known):
         status[known] = solve_flank(pair.gear.loaded, section, *place[:, known]).status
-    tip = slice(1, None, 2)
-    of_gear = _share(gear.status[tip], ease_off.status[tip], ease_off.pinion_lengthwise[tip])
+    of_gear = _share(gear.status[1::2], ease_off.status[1::2], ease_off.pinion_lengthwise[1::2])  # the tips among them
     return _share(pinion_tip.status, status, lengthwise), of_gear
 
 
@@ -222,16 +219,16 @@ def _conjugate_place(pair: GearPair, tip: Flank) -> Array:
     """Axial and radial coordinate (2, n) [mm] of the gear's points that are conjugate to those of the pinion."""
     middle = pair.gear.section.points(np.array([0.5]), np.array([0.5]))[:, 0]
     motion = conjugate_motion(pair.pinion.loaded.on("profile"), pair.pinion.section, pair.assembly, middle)
-    places = []
     with np.errstate(all="ignore"):
-        for part in pair.pinion.loaded.flank_parts:
-            on_part = replace(motion, surface=part)
-            places.append(on_part.conjugate_place(SurfacePoints.of(part, tip.parameters))[0])
-    return pick(places, tip.part)
+        return on_parts(
+            pair.pinion.loaded.flank_parts,
+            tip.part,
+            tip.parameters,
+            lambda part, p: replace(motion, surface=part).conjugate_place(SurfacePoints.of(part, p))[0],
+        )
 
 
 def _share(tip: NDArray[np.int8], status: NDArray[np.int8], lengthwise: Array) -> float:
     """Share of the mates of a tip, by the status of both, that are not cut; those beyond the face do not count."""
-    beyond = (lengthwise < 0.0) | (lengthwise > 1.0)
-    counted = ~beyond & ~np.isin(tip, NOT_CUT)
+    counted = ~((lengthwise < 0.0) | (lengthwise > 1.0)) & ~np.isin(tip, NOT_CUT)
     return float(np.mean(np.isin(status[counted], NOT_CUT))) if np.any(counted) else 0.0
