@@ -277,9 +277,8 @@ class Blade:
     @property
     def tip(self) -> tuple[float, float]:
         """Radial and tangential component of the blade tip, in the frame that turns with the blade [mm]."""
-        return self.point_radius * float(np.cos(self.offset_angle)), self.point_radius * float(
-            np.sin(self.offset_angle)
-        )
+        cosine, sine = float(np.cos(self.offset_angle)), float(np.sin(self.offset_angle))
+        return self.point_radius * cosine, self.point_radius * sine
 
     @property
     def edge(self) -> tuple[float, float, float]:

@@ -238,15 +238,13 @@ class GeneratingSurface:
         pose, tip, plane, velocities = self._blade(parameters)
         point, edge, _ = self._on_blade(tip, plane, np.full_like(parameters[1], coordinate))
         position, normal = self._in_member(pose, velocities[0], point, edge, parameters[0])
-        spin, shift = velocities[1]
-        across = cross(edge, cross(velocities[0][0], point) + velocities[0][1])
-        return position, normal, dot(across, cross(spin, point) + shift) / np.sqrt(dot(across, across))
+        across = cross(edge, _of(velocities[0], point))
+        return position, normal, dot(across, _of(velocities[1], point)) / np.sqrt(dot(across, across))
 
     def _blade(self, parameters: Array) -> tuple[MachinePose, Array, tuple[Array, Array], tuple[Velocity, Velocity]]:
         """Pose of the machine, tip of the blade, its plane, and the velocities of its points (3, n)."""
         cutter_angle, second = parameters
-        cradle_rotation = second if self.settings.generated else np.zeros_like(second)
-        pose = machine_pose(self.settings, cradle_rotation, self.sense)
+        pose = machine_pose(self.settings, second if self.settings.generated else np.zeros_like(second), self.sense)
 
         cosine, sine = cos_sin(cutter_angle)
         x_axis, y_axis, cutter_axis = pose.frame
@@ -268,12 +266,9 @@ class GeneratingSurface:
         self, pose: MachinePose, by_cutter: Velocity, point: Array, edge: Array, cutter_angle: Array
     ) -> tuple[Array, Array]:
         """Position [mm] and outward unit normal (3, n) in the member frame of a point of the blade."""
-        spin, shift = by_cutter
-        normal = -self.blade.side_sign * cross(edge, cross(spin, point) + shift)
+        normal = -self.blade.side_sign * cross(edge, _of(by_cutter, point))
         normal = normal / np.sqrt(dot(normal, normal))
-
-        turned = -self.settings.indexing_ratio * cutter_angle
-        position, normal = pose.both_to_member(point, normal, turned)
+        position, normal = pose.both_to_member(point, normal, -self.settings.indexing_ratio * cutter_angle)
         if self.hand == "left":
             position[1], normal[1] = -position[1], -normal[1]
         return position, normal

@@ -21,7 +21,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from ...core.checks import instance, number
+from ...core.checks import instance, number, words
 from ...core.errors import InputError, suggestion
 from .generating_surface import GeneratingSurface
 from .machine import MOVING_SETTINGS
@@ -102,8 +102,7 @@ def with_settings(surface: GeneratingSurface, values: Mapping[str, float]) -> Ge
 
 def _derivative(coefficients: tuple[float, ...], order: int, first: int) -> float:
     """Derivative of a polynomial whose coefficients begin with the order ``first``."""
-    index = order - first
-    return coefficients[index] * math.factorial(order) if index < len(coefficients) else 0.0
+    return coefficients[order - first] * math.factorial(order) if order - first < len(coefficients) else 0.0
 
 
 def _with_derivative(coefficients: tuple[float, ...], order: int, first: int, value: float) -> tuple[float, ...]:
@@ -114,10 +113,7 @@ def _with_derivative(coefficients: tuple[float, ...], order: int, first: int, va
 
 # Formate: no roll. The flank has four degrees of freedom; the fifth setting holds the root.
 FREE_FORMATE_SETTINGS = (
-    "radial_distance",
-    "cradle_angle",
-    "machine_root_angle",
-    "sliding_base",
+    *("radial_distance", "cradle_angle", "machine_root_angle", "sliding_base"),
     "machine_center_to_crossing_point",
 )
 # Generated: the basic cradle angle turns the tooth. Tilt, swivel and modified roll only where the design has them.
@@ -153,14 +149,15 @@ def movable_settings(surface: GeneratingSurface) -> tuple[str, ...]:
     return tuple(name for name in (*BLADE_SETTINGS, *MACHINE_STEPS, *MODIFIED_ROLL_ORDERS) if name not in without)
 
 
-def require_movable(surface: GeneratingSurface, names: Sequence[str]) -> None:
-    """Refuse names of settings that this machine does not have, that come twice, or none at all."""
+def free_settings(surface: GeneratingSurface, given: Sequence[str] | None) -> tuple[str, ...]:
+    """Settings to move, the usual ones if none are given; refused if the machine has none such, or if named twice."""
+    names = words("free", given) if given is not None else usual_settings(surface)
     allowed, rolled = movable_settings(surface), surface.settings.generated
     motions = f", or a motion: {', '.join(MOVING_SETTINGS)} with _motion_1 to _motion_6" if rolled else ""
     if not names:
         raise InputError(f"free settings: must name one at least of {', '.join(allowed)}{motions}")
     for name in names:
-        if list(names).count(name) > 1:
+        if names.count(name) > 1:
             raise InputError(f"free setting = {name!r}: must be named once")
         if name in allowed or (rolled and MOTION_PATTERN.fullmatch(name)):
             continue
@@ -168,6 +165,7 @@ def require_movable(surface: GeneratingSurface, names: Sequence[str]) -> None:
             f"free setting = {name!r}: must be one of {', '.join(allowed)}{motions}"
             + (_reason(name) or suggestion(name, allowed))
         )
+    return names
 
 
 def _reason(name: str) -> str:
@@ -288,11 +286,7 @@ def step_count(value: float, step: float, low: float = -math.inf, high: float = 
 
 ANGLES = ("cradle_angle", "machine_root_angle", "cutter_tilt", "cutter_swivel")
 LENGTHS = (
-    "radial_distance",
-    "horizontal_distance",
-    "vertical_distance",
-    "work_offset",
-    "sliding_base",
+    *("radial_distance", "horizontal_distance", "vertical_distance", "work_offset", "sliding_base"),
     "machine_center_to_crossing_point",
 )
 #: The resolution that each setting takes, but for modified roll and motions.

@@ -24,18 +24,10 @@ from functools import cached_property
 import numpy as np
 
 from ...core.arrays import Array, Bools, record
-from ...core.checks import instance, number, truth, words
+from ...core.checks import instance, number, truth
 from ...core.errors import GeometryError, InputError
 from ..cutting.generating_surface import GeneratingSurface
-from ..cutting.named_settings import (
-    BLADE_SETTINGS,
-    get_setting,
-    require_movable,
-    scale_of,
-    setting_step,
-    usual_settings,
-    with_settings,
-)
+from ..cutting.named_settings import BLADE_SETTINGS, free_settings, get_setting, scale_of, setting_step, with_settings
 from ..design.synthesis import RootLine
 from ..pair.gear_pair import Member, shares_set_up, thickness_per_angle
 from ..tooth.tooth_flanks import Side, side
@@ -210,8 +202,7 @@ def corrective_settings(
         raise InputError(f"{what} is given for flanks with set-ups of their own: correct each flank by itself")
     if thickness is not None and opposite is None:
         raise InputError(f"thickness = {1e3 * thickness:g} um: must go with the deviations of both flanks")
-    names = words("free", free) if free is not None else usual_settings(member.loaded)
-    require_movable(member.loaded, names)
+    names = free_settings(member.loaded, free)
     measured = [(member, deviation), *([] if opposite is None else [(member.from_opposite, opposite)])]
     fit, steps, before, cut = _fit(measured, names, thickness)
     target = np.concatenate([v[kept] for v, kept in zip(before, cut, strict=True)])

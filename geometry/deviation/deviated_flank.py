@@ -59,16 +59,15 @@ class DeviatedFlank(GeneratingSurface):
         position, normal, coordinate = super().evaluate(parameters)
         if self.deviation is None:
             return position, normal, coordinate
-        deviation, slope = self.deviation.interpolant(position[2], np.sqrt(position[0] ** 2 + position[1] ** 2))
+        distance = np.sqrt(position[0] ** 2 + position[1] ** 2)
+        deviation, slope = self.deviation.interpolant(position[2], distance)
         tangents, stretched, climbs = [], [], []
         for index, step in enumerate(RELATIVE_STEP * self.max_step):
             shift = np.zeros_like(parameters)
             shift[index] = step
             ahead, behind = (super(DeviatedFlank, self).evaluate(parameters + s * shift) for s in (1.0, -1.0))
             tangent, turned = ((a - b) / (2.0 * step) for a, b in zip(ahead[:2], behind[:2], strict=True))
-            radial = (position[0] * tangent[0] + position[1] * tangent[1]) / np.sqrt(
-                position[0] ** 2 + position[1] ** 2
-            )
+            radial = (position[0] * tangent[0] + position[1] * tangent[1]) / distance
             tangents.append(tangent)
             stretched.append(tangent + deviation * turned)
             climbs.append(slope[0] * tangent[2] + slope[1] * radial)
@@ -144,9 +143,8 @@ class RecutFlank:
         around = np.full(self.lever.shape, np.nan)
         for part, mask in self._parts:
             moved = surface.on(part.part)
-            solution = solve(
-                moved.axial_and_radial, self.flank.parameters[:, mask], self.target[:, mask], moved.max_step
-            )
+            start, target = self.flank.parameters[:, mask], self.target[:, mask]
+            solution = solve(moved.axial_and_radial, start, target, moved.max_step)
             position = moved.evaluate(solution.parameters)[0]
             around[mask] = np.where(solution.converged, np.arctan2(position[1], position[0]), np.nan)
         ahead = around - np.arctan2(self.flank.position[1], self.flank.position[0])
@@ -242,12 +240,11 @@ def deviated_ease_off(
     """
     ease_off, ratio = geometry.ease_off, geometry.pair.assembly.ratio
     fields = {name: ease_off[name].transpose(*GRID).values for name in ("lever_arm", "ease_off_angle", "roll_angle")}
-    lever = fields["lever_arm"]
+    lever, roll = fields["lever_arm"], fields["roll_angle"]
     t, h = np.meshgrid(ease_off["lengthwise"].values, ease_off["profile"].values, indexing="ij")
     pinion_t, pinion_h = (ease_off[f"pinion_{name}"].transpose(*GRID).values for name in GRID)
     on_gear, beyond_gear = _sampled(gear, t, h)
     on_pinion, beyond_pinion = _sampled(pinion, pinion_t, pinion_h)
-    roll = fields["roll_angle"]
     if pinion is not None:
         roll = roll + _later(geometry, pinion).reshape(t.shape)
     by_gear, by_pinion = 1.0 / lever, ratio / lever  # rotation of a member per deviation of its flank [rad/mm]

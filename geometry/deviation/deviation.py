@@ -324,16 +324,9 @@ class Deviation:
                     f"{name} = {np.min(values):g} to {np.max(values):g}: must be fractions of the flank, from 0 to 1"
                 )
         t, h = np.meshgrid(lengthwise, profile, indexing="ij")
-        grid = ("lengthwise", "profile")
-        return labelled(
-            xr.Dataset(
-                {
-                    "deviation": (grid, 1e3 * self.at(t, h)),
-                    "extrapolated": (grid, self.extrapolated(t, h).astype(np.int8)),
-                },
-                coords={"lengthwise": lengthwise, "profile": profile},
-            )
-        )
+        grid, beyond = ("lengthwise", "profile"), self.extrapolated(t, h).astype(np.int8)
+        fields = {"deviation": (grid, 1e3 * self.at(t, h)), "extrapolated": (grid, beyond)}
+        return labelled(xr.Dataset(fields, coords={"lengthwise": lengthwise, "profile": profile}))
 
 
 def deviation_from_formula(
@@ -369,9 +362,8 @@ def deviation_from_formula(
     instance("formula", formula, Callable)
     t, h = np.meshgrid(*(np.linspace(0.0, 1.0, count) for count in two_whole("nodes", nodes, 2)), indexing="ij")
     axial, radial = section.points(t, h)
-    return Deviation(
-        section, axial, radial, 1e-3 * (np.zeros(t.shape) + array("formula", formula(t, h), "um", anything=True))
-    )
+    value = 1e-3 * (np.zeros(t.shape) + array("formula", formula(t, h), "um", anything=True))
+    return Deviation(section, axial, radial, value)
 
 
 def deviation_from_dataset(section: BlankSection, dataset: xr.Dataset, method: Method = "spline") -> Deviation:

@@ -95,12 +95,10 @@ def fit_global_errors(deviation: Deviation) -> GlobalErrorFit:
     5.0
     """
     instance("deviation", deviation, Deviation)
-    if min(deviation.value.shape) < 3:
-        columns, rows = deviation.value.shape
+    columns, rows = deviation.value.shape
+    if min(columns, rows) < 3:
         raise InputError(f"grid = {rows} rows x {columns} columns: must have at least 3 of each for global errors")
-    fractions = deviation.section.fractions(deviation.axial, deviation.radial)
-    terms = _terms(*fractions)
-    value = 1e3 * deviation.value
+    terms, value = _terms(*deviation.section.fractions(deviation.axial, deviation.radial)), 1e3 * deviation.value
     errors, *_ = np.linalg.lstsq(terms.reshape(-1, terms.shape[-1]), value.ravel(), rcond=None)
     residual = value - terms @ errors
     return GlobalErrorFit(
