@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import zipfile
 from typing import Any
@@ -45,12 +46,9 @@ def _array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> NDArray[Any] | N
         shape, turned, kind = read_header(stream)
         if kind.hasobject:
             return None
-        count = 1
-        for length in shape:
-            count *= int(length)
+        count = math.prod(map(int, shape))
         if count < 0 or count * max(kind.itemsize, 1) > entry.file_size:
             raise ValueError(f"the array {entry.filename!r} is longer than its entry")
         content = stream.read(count * kind.itemsize)
         stream.read()  # to the end, where the checksum is compared
-    array = np.frombuffer(content, dtype=kind, count=count)
-    return array.reshape(shape, order="F" if turned else "C").copy()
+    return np.frombuffer(content, dtype=kind, count=count).reshape(shape, order="F" if turned else "C").copy()

@@ -41,13 +41,11 @@ class Checkpoint(Generic[Record]):
         check_writable(path)
         if os.path.islink(path):
             raise InputError(f"{path} is a link: a checkpoint must be a file")
-        self.path = path
-        self._encode = encode
-        self._header = _header(study)
+        self.path, self._encode, self._fresh = path, encode, fresh
+        self._study, self._header = study, _header(study)
         self._records: dict[str, Record] = {}
-        self._study = study
-        self._fresh = fresh
-        text = "" if truth("fresh", fresh) else _text(path)
+        exists = not truth("fresh", fresh) and os.path.exists(path)
+        text = read_bytes(path, RECORD_SIZE_LIMIT).decode(errors="replace") if exists else ""
         for line in text.splitlines()[1:] if self._is_begun(text) else []:
             try:
                 entry = parsed_json(line)
@@ -171,10 +169,3 @@ def _header(study: str) -> str:
 def digest(**inputs: Any) -> str:
     """Digest of everything that a record depends on, for its key; the order of the inputs does not matter."""
     return hashlib.sha256(json.dumps(inputs, sort_keys=True).encode()).hexdigest()
-
-
-def _text(path: Path) -> str:
-    """Text of a file, empty if it does not exist."""
-    if not os.path.exists(path):
-        return ""
-    return read_bytes(path, RECORD_SIZE_LIMIT).decode(errors="replace")

@@ -53,11 +53,8 @@ def message(text: str) -> str:
     lines = text.split("\n", LINE_COUNT_LIMIT)
     if len(lines) > LINE_COUNT_LIMIT:
         lines[LINE_COUNT_LIMIT:] = [f"and {lines[LINE_COUNT_LIMIT].count(chr(10)) + 1} more lines"]
-    return "\n".join(printable(shortened(_LONG_WORD.sub(_short_word, line), LINE_LENGTH_LIMIT)) for line in lines)
-
-
-def _short_word(found: re.Match[str]) -> str:
-    return shortened(found[0])
+    words = [_LONG_WORD.sub(lambda found: shortened(found[0]), line) for line in lines]
+    return "\n".join(printable(shortened(line, LINE_LENGTH_LIMIT)) for line in words)
 
 
 class EaseoffError(Exception):
@@ -171,7 +168,7 @@ TIME_UNITS = {"years": 3.15576e7, "days": 86400.0, "h": 3600.0, "min": 60.0}  # 
 
 def memory_in_words(size: float) -> str:
     """A size of memory [byte] in words."""
-    unit, factor = next(((unit, one) for unit, one in MEMORY_UNITS.items() if size >= one), ("MB", 1e6))
+    unit, factor = next((pair for pair in MEMORY_UNITS.items() if size >= pair[1]), ("MB", 1e6))
     value = float(f"{max(size / factor, 1.0):.1e}")
     if value >= 1e6:
         return f"over a million {unit}"

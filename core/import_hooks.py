@@ -19,8 +19,7 @@ class AfterImport:
     """Module finder that calls a function once a package has been imported, and is gone then."""
 
     def __init__(self, package: str, call: Callable[[], None]) -> None:
-        self.package = package
-        self.call = call
+        self.package, self.call = package, call
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -80,8 +79,7 @@ def show_figures_in_notebooks() -> None:
     IPython does so only once ``matplotlib.pyplot`` is loaded; neither of them is imported here.
     """
     with suppress(Exception):  # of a shell of another kind: the figure is then shown as text
-        shell = sys.modules["IPython"].get_ipython()
-        formatter = shell.display_formatter.formatters["image/png"]
+        formatter = sys.modules["IPython"].get_ipython().display_formatter.formatters["image/png"]
         try:
             formatter.lookup_by_type(".".join(FIGURE))
         except KeyError:

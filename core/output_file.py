@@ -76,8 +76,7 @@ def private_folder(parent: Path) -> Iterator[Path]:
 def clear_remains(parent: Path) -> None:
     """Remove the private folders of processes that were ended: those of this user whose lock is free."""
     with contextlib.suppress(OSError), os.scandir(parent) as entries:
-        folders = [Path(entry.path) for entry in entries if NAME.fullmatch(entry.name)]
-        for folder in folders:
+        for folder in [Path(entry.path) for entry in entries if NAME.fullmatch(entry.name)]:
             with contextlib.suppress(OSError):
                 _clear(folder)
 
@@ -163,10 +162,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
             os.replace(temporary, target)
         with contextlib.suppress(PermissionError):  # a folder that may be written to, but not read
             _synchronize(target.parent, os.O_RDONLY)
-    except OSError as error:
-        raise InputError(f"{target} cannot be written: {error.strerror or error}") from error
-    except UnicodeEncodeError as error:
-        raise InputError(f"{target} cannot be written: {error}") from error
+    except (OSError, UnicodeEncodeError) as error:
+        raise InputError(f"{target} cannot be written: {getattr(error, 'strerror', None) or error}") from error
     except RuntimeError as error:
         # The netCDF library raises this for every failure; a full disk is the usual reason.
         if not str(error).startswith("NetCDF"):

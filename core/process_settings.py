@@ -6,29 +6,24 @@ processor time as well. How a product is shared out also decides its last bit.
 
 from __future__ import annotations
 
-import contextlib
 import gc
 import os
 import signal
 import threading
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import cache
 from typing import Any
 
 #: Numbers of threads, which libraries read when they are loaded. Processes that share a machine take one thread each,
 #: and a comparison is of methods, not of how many cores a library takes.
 THREAD_VARIABLES = (
-    "OPENBLAS_NUM_THREADS",
-    "OMP_NUM_THREADS",
-    "MKL_NUM_THREADS",
-    "BLIS_NUM_THREADS",
-    "VECLIB_MAXIMUM_THREADS",
-    "RAYON_NUM_THREADS",
+    *("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"),
+    *("VECLIB_MAXIMUM_THREADS", "RAYON_NUM_THREADS"),
 )
 
 
-@contextlib.contextmanager
+@contextmanager
 def child_environment(variables: Mapping[str, str] | None = None) -> Iterator[None]:
     """Set environment variables for processes started within, which import nothing from the current folder.
 
@@ -60,12 +55,12 @@ def end_with_parent() -> None:
 def _end_with(sentinel: Any) -> None:
     from multiprocessing.connection import wait
 
-    with contextlib.suppress(OSError):
+    with suppress(OSError):
         wait([sentinel])
     os._exit(1)
 
 
-@contextlib.contextmanager
+@contextmanager
 def children_without_interrupts() -> Iterator[None]:
     """Let processes started within ignore Ctrl-C: it is meant for the study, which ends them."""
     if threading.current_thread() is not threading.main_thread():

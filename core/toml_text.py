@@ -39,8 +39,7 @@ def toml_tables(text: str, origin: str) -> dict[str, Any]:
     for number, line in enumerate(text.splitlines(), start=1):
         for key, first, second in _pairs(line):
             # Oil at 0 and 40 degC is a list, a roughness of 0 and 8 um none; pinion and gear come in any order.
-            comma = float(first) == 0.0 if key == "roughness" else float(first) > float(second)
-            if comma:
+            if float(first) == 0.0 if key == "roughness" else float(first) > float(second):
                 raise InputError(
                     f"{origin}, line {number}: {_excerpt(line)}: a list of two values, {first} and "
                     f"{second}; if that is meant, write {first}.0, {second}.0; if a decimal, write {first}.{second}"
