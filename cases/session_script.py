@@ -33,10 +33,6 @@ MenuPath = tuple[str, str, str]
 
 ROTOR_MEMBERS: dict[str, MemberName] = {"1": "PINION", "2": "GEAR"}
 TYPE_MEMBERS: dict[str, MemberName] = {"FACEMILLED_PINION": "PINION", "FACEMILLED_GEAR": "GEAR"}
-MENU_NAMES = (
-    *("EDIT", "PAIRS", "ROTOR", "HYPOID", "SHAFT", "SEGMENT", "COMMON", "MACHINE", "CUTTER"),
-    *("CONCAVE", "CONVEX"),
-)
 WORD_COUNT_LIMIT = 1000  # of a line that are read
 #: Keywords that must be there and others that may, with the keys of a case that they are.
 BLANK_KEYWORDS = (
@@ -100,6 +96,7 @@ MENU_KEYWORDS: dict[str, frozenset[str]] = {
         (f"{name.upper()}_{word}" for name in RELIEFS for word in {"OPTION"}.union(*RELIEF_KEYWORDS.values())),
     ),
 }
+MENU_NAMES = ("EDIT", "ROTOR", "SHAFT", "SEGMENT", "CONCAVE", "CONVEX", *MENU_KEYWORDS)
 
 
 @dataclass(frozen=True)
@@ -256,14 +253,9 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
 
 def _hand(settings: Mapping[MenuPath, Settings], notes: list[str]) -> str:
     """Hand of the pinion, RIGHT or LEFT."""
-    given = [
-        s.word("LEFT", "RIGHT")
-        for s in (
-            settings.get(("", "", "PAIRS"), {}).get("HAND_PINION"),
-            settings.get(("PINION", "", "COMMON"), {}).get("HAND"),
-        )
-        if s is not None
-    ]
+    places = ((("", "", "PAIRS"), "HAND_PINION"), (("PINION", "", "COMMON"), "HAND"))
+    found = [settings.get(menu, {}).get(keyword) for menu, keyword in places]
+    given = [setting.word("LEFT", "RIGHT") for setting in found if setting is not None]
     if not given:
         raise InputError("the hand of the pinion is missing: HAND_PINION in PAIRS, or HAND in COMMON of ROTOR 1")
     if len(set(given)) > 1:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 import os
 import xml.etree.ElementTree as ET
+from collections import Counter
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -157,8 +158,8 @@ def _relation(element: ET.Element) -> Relation:
 class ModelWriter:
     """Collects components and relations, numbers them, and makes the XML, whose root has the attributes."""
 
-    def __init__(self, attributes: Mapping[str, str]) -> None:
-        self._root = ET.Element("model", dict(attributes))
+    def __init__(self, **attributes: str) -> None:
+        self._root = ET.Element("model", attributes)
         self._relations = ET.SubElement(self._root, "relations")
         self._components = ET.SubElement(self._root, "components")
 
@@ -241,9 +242,8 @@ def _read(model: Model) -> tuple[Case, list[str]]:
         raise InputError("the relation 'stage' of the bevel stage does not name two components of type bevel_gear")
     pinion, gear = members[0], members[1]
     missing: list[str] = []
-    if (gear.number_of(rexs.MEMBER_TERMS["number_of_teeth"]) or 1e9) < (
-        pinion.number_of(rexs.MEMBER_TERMS["number_of_teeth"]) or 0
-    ):
+    teeth = rexs.MEMBER_TERMS["number_of_teeth"]
+    if (gear.number_of(teeth) or 1e9) < (pinion.number_of(teeth) or 0):
         pinion, gear = gear, pinion
         notes.append("gear_2 of the stage has fewer teeth: it is taken as the pinion")
     hand = _hand(pinion, gear, missing)
@@ -276,14 +276,13 @@ def _read(model: Model) -> tuple[Case, list[str]]:
 def _hand(pinion: Component, gear: Component, missing: list[str]) -> Hand:
     """Hand of the pinion, given by itself or by its mate."""
     hands: list[Hand] = []
-    for component, turn in ((pinion, False), (gear, True)):
+    for component, left in ((pinion, "left"), (gear, "right")):
         text = component.text(rexs.HAND_TERM)
         if text is None:
             continue
-        if text not in ("left", "right"):
+        if text not in HANDS:
             raise InputError(f"{component.described(rexs.HAND_TERM)} = {text!r}: must be one of left, right")
-        hand: Hand = "left" if text == "left" else "right"
-        hands.append(opposite(hand) if turn else hand)
+        hands.append("left" if text == left else "right")
     if len(set(hands)) > 1:
         raise InputError(
             f"{gear.described(rexs.HAND_TERM)}: both members have the same hand; they must be of opposite hand"
@@ -403,9 +402,8 @@ def _not_used(model: Model, visited: set[int]) -> list[str]:
         unknown = [name for name in component.attributes if name not in rexs.ATTRIBUTES_READ[component.kind]]
         if unknown:
             notes.append(f"component {number} ({component.kind}): not used: {', '.join(unknown)}")
-    others = [component.kind for number, component in model.components.items() if number not in visited]
-    for kind in sorted(set(others)):
-        notes.append(f"not used: components of type {kind} ({others.count(kind)})")
+    others = Counter(component.kind for number, component in model.components.items() if number not in visited)
+    notes += [f"not used: components of type {kind} ({count})" for kind, count in sorted(others.items())]
     if model.loaded:
         notes.append("not used: the load spectrum")
     return notes

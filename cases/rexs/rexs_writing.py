@@ -70,13 +70,11 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     except EaseoffError as error:
         notes += [f"{key}: left out, the teeth have none at the mean point ({error})" for key in given]
     file = ModelWriter(
-        {
-            "version": rexs.REXS_VERSION,
-            "applicationId": rexs.APPLICATION,
-            "applicationVersion": version("easeoff"),
-            "date": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
-            "applicationLanguage": "en",
-        }
+        version=rexs.REXS_VERSION,
+        applicationId=rexs.APPLICATION,
+        applicationVersion=version("easeoff"),
+        date=datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        applicationLanguage="en",
     )
     pair = [
         (rexs.CASE_TERM, case.easeoff_case),
@@ -89,9 +87,8 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     gear = _write_member(file, "gear", case.gear, opposite(hand), notes)
     file.relation("stage", stage=stage, gear_1=pinion, gear_2=gear)
 
-    plain = Case.model_fields
     for name in ("description", "corrected_flanks", "contact", "compliance", "friction", "target", "load_cases"):
-        if getattr(case, name) != plain[name].default:
+        if getattr(case, name) != Case.model_fields[name].default:
             notes.append(f"{name}: left out, REXS cannot hold it")
     if case.misalignment.deflections:
         notes.append("misalignment.deflections: left out, REXS cannot hold it")
@@ -148,9 +145,8 @@ def _write_flank(file: ModelWriter, where: str, flank: int, settings: FlankSetti
     machine = settings.machine
     if machine.horizontal_distance is not None:
         polar = machine_settings(machine)
-        machine = machine.model_copy(
-            update={"radial_distance": polar.radial_distance, "cradle_angle": math.degrees(polar.cradle_angle)}
-        )
+        center = {"radial_distance": polar.radial_distance, "cradle_angle": math.degrees(polar.cradle_angle)}
+        machine = machine.model_copy(update=center)
         notes.append(
             f"{where}.machine: horizontal_distance and vertical_distance are written as radial_distance and "
             "center_roll_position"
