@@ -96,8 +96,7 @@ def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairT
 def sections(case: Case) -> tuple[BlankSection, BlankSection]:
     """Axial sections of pinion and gear, from their blanks or from the basic data of the pair."""
     if case.blank_design is not None:
-        teeth = case.pinion.number_of_teeth, case.gear.number_of_teeth
-        blanks = designed_blanks(case.blank_design, teeth, case.pair)
+        blanks = designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
         from ..geometry.design.basic_settings import blank_section
 
         return blank_section(blanks.pinion, blanks.clearance), blank_section(blanks.gear, blanks.clearance)
@@ -122,12 +121,8 @@ def machine_settings(machine: Machine, indexing_ratio: float = 0.0) -> MachineSe
 
 def _motions(motions: Motions) -> tuple[tuple[str, tuple[float, ...]], ...]:
     """Polynomial coefficients of the settings that move, angles in rad."""
-    result = []
-    for name, derivatives in motions:
-        unit = math.radians(1.0) if name in ANGULAR_MOTIONS else 1.0
-        if any(derivatives):
-            result.append((name, polynomial(derivatives, unit=unit)))
-    return tuple(result)
+    units = {name: math.radians(1.0) if name in ANGULAR_MOTIONS else 1.0 for name, _ in motions}
+    return tuple((name, polynomial(values, unit=units[name])) for name, values in motions if any(values))
 
 
 def generating_surface(
@@ -146,17 +141,13 @@ def generating_surface(
 
 
 def _member(table: MemberTable, blank: BlankSection, loaded: Side, hand: Hand, *, pinion: bool) -> Member:
-    other: Side = "convex" if loaded == "concave" else "concave"
-    settings, opposite = getattr(table, loaded), getattr(table, other)
-    return Member(
-        teeth=table.number_of_teeth,
-        section=blank,
-        loaded=generating_surface(settings, loaded, hand, table.number_of_teeth, pinion=pinion),
-        opposite=None
-        if opposite is None
-        else generating_surface(opposite, other, hand, table.number_of_teeth, pinion=pinion),
-        mean_thickness=table.mid_flank_normal_circular_thickness,
+    sides: tuple[Side, Side] = ("concave", "convex") if loaded == "concave" else ("convex", "concave")
+    first, opposite = (
+        None if settings is None else generating_surface(settings, side, hand, table.number_of_teeth, pinion=pinion)
+        for side, settings in zip(sides, (getattr(table, side) for side in sides), strict=True)
     )
+    assert first is not None  # ``gear_pair`` sees to it
+    return Member(table.number_of_teeth, blank, first, opposite, table.mid_flank_normal_circular_thickness)
 
 
 def misalignment(table: MisalignmentTable) -> Misalignment | Deflections:
@@ -222,8 +213,8 @@ def finite_elements(
     ) -> FiniteElementTooth:
         if stage is not None:
             stage(f"{what} of the {member}")
-        web_of_body = None if web is None else Web(web.bore_diameter, web.thickness)
-        return make(pair, member, material, table.fineness, ToothBody(rim_depth, table.neighbours, web_of_body))
+        body = ToothBody(rim_depth, table.neighbours, None if web is None else Web(web.bore_diameter, web.thickness))
+        return make(pair, member, material, table.fineness, body)
 
     (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)
     return tooth("pinion", pinion, of_pinion, table.pinion_web), tooth("gear", gear, of_gear, table.gear_web)

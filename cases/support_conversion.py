@@ -69,12 +69,9 @@ def support_system(case: Case) -> LoadedSupports | None:
 
 def _housing(table: HousingTable, axes: tuple[MemberAxis, MemberAxis], wind_up: bool) -> Supports:
     with errors_about("[supports.housing]"):
+        references = (table.pinion_reference, table.gear_reference)
         return Supports.of_matrix(
-            (table.pinion_reference, table.gear_reference),
-            compliance=table.compliance,
-            stiffness=table.stiffness,
-            axes=axes,
-            wind_up=wind_up,
+            references, compliance=table.compliance, stiffness=table.stiffness, axes=axes, wind_up=wind_up
         )
 
 

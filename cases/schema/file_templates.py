@@ -38,11 +38,6 @@ SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}
 LENGTHS = {"MinLen": "min_length", "MaxLen": "max_length"}
 
 
-def sub_table(annotation: Any) -> bool:
-    """True if a key opens a table of its own, or a list of them."""
-    return inner_table(annotation, listed=True) is not None
-
-
 def described(field: FieldInfo) -> tuple[str, str]:
     """Meaning and unit of a key."""
     unit = extra_of(field, "unit")
@@ -58,10 +53,9 @@ def allowed(name: str, field: FieldInfo) -> str:
         return "`true`, `false`"
     for option in options:
         if get_origin(option) is Literal:
-            return ", ".join(written(choice) for choice in get_args(option))
+            return ", ".join(f"`{toml_value(choice)}`" for choice in get_args(option))
     limits = {type(limit).__name__: limit for limit in field.metadata}
-    lengths = [getattr(limits[kind], key) for kind, key in LENGTHS.items() if kind in limits]
-    count = " to ".join(map(str, lengths))
+    count = " to ".join(str(getattr(limits[kind], key)) for kind, key in LENGTHS.items() if kind in limits)
     if field.annotation is str:
         return f"text of {count} characters" if count else "text"
     if count:
@@ -77,13 +71,6 @@ def interval(limits: Mapping[str, float]) -> str:
     if list(limits) == ["Gt", "Lt"] and limits["Gt"] == -limits["Lt"]:
         return f"within ±{limits['Lt']:g}"
     return ", ".join(f"{SIGNS[kind]} {limit:g}" for kind, limit in limits.items())
-
-
-def written(value: Any) -> str:
-    """A value as it stands in TOML."""
-    if isinstance(value, bool):
-        return f"`{str(value).lower()}`"
-    return f'`"{value}"`' if isinstance(value, str) else f"`{value}`"
 
 
 WIDTH = 110  # [characters] up to which a comment stands behind its key
@@ -125,7 +112,7 @@ class _Writer:
             given = None if values is None else values.get(name)
             if not given and below in self.elsewhere:
                 lines += ["", *comment(self.elsewhere[below])]
-            elif is_list(field.annotation):
+            elif Ellipsis in get_args(field.annotation):  # a list of tables
                 for row in given or [None]:
                     lines += self.table(inner, row, below, f"[[{below}]]")
             else:
@@ -154,14 +141,10 @@ class _Writer:
                 continue
             key = f"{name} = {toml_value(value)}" if given else f"#{name} = {default_value(field)}".rstrip()
             lines += with_comment(key, "" if known is not None else meaning(name, field))
-        if known is not None and (lines or any(not sub_table(one.annotation) for one in model.model_fields.values())):
+        tables = [inner_table(field.annotation, listed=True) for field in model.model_fields.values()]
+        if known is not None and (lines or None in tables):
             lines.append(f"# further keys as in [{known}]")
         return lines
-
-
-def is_list(annotation: Any) -> bool:
-    """True if a key holds a list of tables."""
-    return Ellipsis in get_args(annotation)
 
 
 def meaning(name: str, field: FieldInfo) -> str:
@@ -345,14 +328,10 @@ def _file(head: list[str], text: str) -> str:
     return "\n".join([*lines, "", text])
 
 
-def _case_names() -> list[str]:
-    return ["fm-11x41", *(name for name in CASE.names() if name != "fm-11x41")]
-
-
 TEMPLATE_KINDS = {
     "case": TemplateKind(".toml", lambda: [*PROCESSES, *CASE.names()], _case),
     "design": TemplateKind(".toml", lambda: [*PROCESSES, *DESIGN.names()], _design),
     "supports": TemplateKind(".toml", SUPPORT.names, _supports),
     "oil": TemplateKind(".toml", available_lubricants, _oil),
-    "load-cases": TemplateKind(".csv", _case_names, _load_cases),
+    "load-cases": TemplateKind(".csv", lambda: sorted(CASE.names(), key=lambda name: name != "fm-11x41"), _load_cases),
 }

@@ -67,13 +67,6 @@ Curve = Annotated[tuple[Pair, ...], BeforeValidator(_pairs), Field(strict=False)
 BearingStiffness = Annotated[float | tuple[Pair, ...], BeforeValidator(_stiffness)]
 
 
-def _named_once(bearings: tuple[BearingTable, ...]) -> None:
-    names = [bearing.name.casefold() for bearing in bearings]
-    for bearing in bearings:
-        if names.count(bearing.name.casefold()) > 1:
-            raise ValueError(f"bearings: name = {written(bearing.name)} comes twice; give every bearing its own name")
-
-
 class ShaftSectionTable(Table):
     """A cylindrical section of a shaft."""
 
@@ -148,7 +141,10 @@ class MemberSupportTable(Table):
     bearings: Annotated[tuple[BearingTable, ...], Field(strict=False, max_length=20)] = ()
 
     def _check(self) -> None:
-        _named_once(self.bearings)
+        names = [bearing.name.casefold() for bearing in self.bearings]
+        twice = next((bearing.name for bearing in self.bearings if names.count(bearing.name.casefold()) > 1), None)
+        if twice is not None:
+            raise ValueError(f"bearings: name = {written(twice)} comes twice; give every bearing its own name")
         given = [key for key in ("stiffness", "compliance", "shaft") if getattr(self, key) is not None]
         if len(given) != 1:
             kinds = " and ".join(given) if given else "none"
