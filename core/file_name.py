@@ -25,11 +25,9 @@ def check_name(path: str | os.PathLike[str]) -> None:
 
 def check_text(word: str) -> None:
     """Refuse a word with bytes that are no characters, which the netCDF library and messages cannot take."""
-    encoding = sys.getfilesystemencoding()
+    code = sys.getfilesystemencoding()
     try:
-        word.encode(encoding)
+        word.encode(code)
     except UnicodeEncodeError as error:
-        way = (
-            "UTF-8; rename the file" if encoding == "utf-8" else f"{encoding}, as the locale says; or set PYTHONUTF8=1"
-        )
+        way = "UTF-8; rename the file" if code == "utf-8" else f"{code}, as the locale says; or set PYTHONUTF8=1"
         raise InputError(f"{word.encode('utf-8', 'backslashreplace').decode()}: must be in {way}") from error

@@ -68,9 +68,7 @@ class foreign_code:  # noqa: N801  # a context, called like a function
             self._before.append((signal.SIGALRM, signal.signal(signal.SIGALRM, self._end)))
             self._alarm = signal.setitimer(signal.ITIMER_REAL, self._limit, ALARM_INTERVAL)
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
         """Put everything back, and raise the reason."""
         self._within = False
         for number, handler in reversed(self._before):

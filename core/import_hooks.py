@@ -21,13 +21,11 @@ class AfterImport:
     def __init__(self, package: str, call: Callable[[], None]) -> None:
         self.package, self.call = package, call
 
-    def find_spec(
-        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
-    ) -> ModuleSpec | None:
+    def find_spec(self, name: str, path: Sequence[str] | None, target: ModuleType | None = None) -> ModuleSpec | None:
         """The package's own specification, whose loader calls the function after its work."""
-        if fullname != self.package:
+        if name != self.package:
             return None
-        spec = PathFinder.find_spec(fullname, path, target)
+        spec = PathFinder.find_spec(name, path, target)
         loader = None if spec is None else spec.loader
         if loader is None:
             return None

@@ -125,11 +125,9 @@ def read_text(path: str | os.PathLike[str], limit: int, *, line_limit: int | Non
         raise InputError(f"{named(path)} cannot be read as text: line {line} holds a null character")
     text = text.replace("\r\n", "\n").replace("\r", "\n")
     if line_limit is not None:
-        for number, line_text in enumerate(text.split("\n"), start=1):
-            if len(line_text) > line_limit:
-                raise InputError(
-                    f"{named(path)}, line {number}: {len(line_text)} characters: must be at most {line_limit}"
-                )
+        for number, each in enumerate(text.split("\n"), start=1):
+            if len(each) > line_limit:
+                raise InputError(f"{named(path)}, line {number}: {len(each)} characters: must be at most {line_limit}")
     return text
 
 

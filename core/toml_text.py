@@ -52,18 +52,15 @@ def _check_values(data: dict[str, Any], origin: str) -> None:
     waiting: list[tuple[str, Any, int]] = [("", data, 0)]
     while waiting:
         key, value, depth = waiting.pop()
+        where = f"{origin}: {shortened(printable(key))}"
         if depth > NESTING_LIMIT:
-            raise InputError(
-                f"{origin}: {shortened(printable(key))}: tables and lists are nested more than {NESTING_LIMIT} deep"
-            )
+            raise InputError(f"{where}: tables and lists are nested more than {NESTING_LIMIT} deep")
         if isinstance(value, dict):
             waiting += [(f"{key}.{name}" if key else name, entry, depth + 1) for name, entry in value.items()]
         elif isinstance(value, list):
             waiting += [(key, entry, depth + 1) for entry in value]
         elif isinstance(value, int) and value.bit_length() >= WHOLE_NUMBER_BITS:
-            raise InputError(
-                f"{origin}: {shortened(printable(key))}: must be a whole number of at most {WHOLE_NUMBER_BITS} bits"
-            )
+            raise InputError(f"{where}: must be a whole number of at most {WHOLE_NUMBER_BITS} bits")
 
 
 def _excerpt(line: str) -> str:
