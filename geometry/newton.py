@@ -92,12 +92,7 @@ def solve(
         NaN parameters never appear; look at ``converged``.
     """
     return solve_by(
-        lambda here, _: complex_steps(function, here),
-        start,
-        target,
-        max_step,
-        tolerance=tolerance,
-        iterations=iterations,
+        lambda p, _: complex_steps(function, p), start, target, max_step, tolerance=tolerance, iterations=iterations
     )
 
 

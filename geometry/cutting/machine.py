@@ -183,9 +183,9 @@ def _moving(settings: MachineSettings, name: str, increment: Array, sense: int) 
 def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: IncrementSense) -> MachinePose:
     """Machine with its motions at cradle rotations (n) [rad] about the machine z axis."""
     # Without motions one column stands for all n rotations.
-    moves = bool(settings.motions)
-    machine = _machine_at(settings, sense * cradle_rotation, sense) if moves else _still_machine(settings)
-    value, rate, frame, center, along, crossing_point, root_turn = machine
+    still = not settings.motions
+    state = _still_machine(settings) if still else _machine_at(settings, sense * cradle_rotation, sense)
+    value, rate, frame, center, along, crossing_point, root_turn = state
     zero = np.zeros_like(center[0])
     cradle = settings.cradle_angle + cradle_rotation
     work, ratio = work_rotation(settings, cradle_rotation, sense)
@@ -194,7 +194,7 @@ def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: Incre
     axis, origin = turn_z(*back, tuple(along)), turn_z(*back, tuple(crossing_point))
     spin, shift = -ratio * axis, ratio * cross(axis, origin)
     spin[2] = spin[2] + 1.0
-    if settings.motions:
+    if not still:
         cos_g, sin_g = root_turn
         distance = value["machine_center_to_crossing_point"]
         turning = rate["cutter_tilt"] * frame[0] + np.stack([zero, zero, -rate["cutter_swivel"]])
@@ -208,12 +208,10 @@ def machine_pose(settings: MachineSettings, cradle_rotation: Array, sense: Incre
     return MachinePose(frame, center, axis, origin, spin, shift, cradle, work, turn, root_turn)
 
 
-_Machine = tuple[
-    dict[str, Array], dict[str, Array], tuple[Array, Array, Array], Array, Array, Array, tuple[Array, Array]
-]
+_State = tuple[dict[str, Array], dict[str, Array], tuple[Array, Array, Array], Array, Array, Array, tuple[Array, Array]]
 
 
-def _machine_at(settings: MachineSettings, increment: Array, sense: int) -> _Machine:
+def _machine_at(settings: MachineSettings, increment: Array, sense: int) -> _State:
     """Machine at cradle increments (n) [rad], not turned with the cradle, as a tuple.
 
     Settings, their derivatives by the cradle rotation, axes of the cutter, its centre, direction of the work axis,
@@ -240,5 +238,5 @@ def _machine_at(settings: MachineSettings, increment: Array, sense: int) -> _Mac
 
 
 @lru_cache(maxsize=64)
-def _still_machine(settings: MachineSettings) -> _Machine:
+def _still_machine(settings: MachineSettings) -> _State:
     return _machine_at(settings, np.zeros(1), 1)

@@ -234,13 +234,11 @@ class _GearCut:
         return flanks(self._settled(error, np.array([horizontal, vertical, point_width, drive, coast]), 2, to_steps))
 
     def _face_hobbed(self) -> Flanks:
-        blank, gear, cutter_radius = self.blank, self.blank.gear, self.cutter_radius
+        blank, gear, cutter_radius, groups = self.blank, self.blank.gear, self.cutter_radius, self.groups
         along, height = self._mean_point
-        lead_sine = self.groups * blank.mean_normal_module / (2.0 * cutter_radius)
+        lead_sine = groups * blank.mean_normal_module / (2.0 * cutter_radius)
         if not lead_sine < 1.0:
-            raise GeometryError(
-                f"number_of_blade_groups = {self.groups}: too many for cutter_radius = {cutter_radius:g} mm"
-            )
+            raise GeometryError(f"number_of_blade_groups = {groups}: too many for cutter_radius = {cutter_radius:g} mm")
         lead = math.asin(lead_sine)
         course = gear.mean_spiral_angle - lead
         settings = self._machine(along - cutter_radius * math.sin(course), cutter_radius * math.cos(course))

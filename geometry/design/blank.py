@@ -276,9 +276,7 @@ def angles_of_normal(position: Array, normal: Array, pitch_angle: float, hand: H
     along_element = sine * outward + cosine * float(normal[2])
     off_cone = cosine * outward - sine * float(normal[2])
     # The trace is at right angles to the normal; towards the heel of a right-hand member the azimuth grows along it.
-    return MeanPointAngles(
-        spiral_angle=math.atan(-along_element / around), pressure_angle=math.asin(off_cone), azimuth=azimuth
-    )
+    return MeanPointAngles(math.atan(-along_element / around), math.asin(off_cone), azimuth)
 
 
 @dataclass(frozen=True)
@@ -340,9 +338,8 @@ def pressure_angles(design: BlankDesign, cones: PitchCones) -> PressureAngles:
     """Pressure angles, shifted by the asked share of the limit pressure angle."""
     limit = cones.limit_pressure_angle
     shift = design.limit_pressure_angle_influence * limit
-    return PressureAngles(
-        limit, design.nominal_drive_pressure_angle + shift, design.nominal_coast_pressure_angle - shift
-    )
+    drive, coast = design.nominal_drive_pressure_angle + shift, design.nominal_coast_pressure_angle - shift
+    return PressureAngles(limit, drive, coast)
 
 
 def tooth_depth(design: BlankDesign, module: float, normal_pressure_angle: float) -> ToothDepth:
@@ -429,10 +426,8 @@ def _gleason_face_width(design: BlankDesign, cones: PitchCones, depth: ToothDept
     """Face width of the pinion long enough to cover the gear's, along its axis (formulas 159 to 165)."""
     ratio = design.number_of_teeth[1] / design.number_of_teeth[0]
     pinion, gear, turn = cones.pinion_pitch_angle, cones.gear_pitch_angle, cones.offset_angle
-    axial_angle = math.atan2(
-        math.sin(turn) * math.cos(gear), ratio * math.cos(pinion) + math.cos(gear) * math.cos(turn)
-    )
-    contact = design.gear_face_width * math.cos(axial_angle) / math.cos(turn - axial_angle)
+    tilt = math.atan2(math.sin(turn) * math.cos(gear), ratio * math.cos(pinion) + math.cos(gear) * math.cos(turn))
+    contact = design.gear_face_width * math.cos(tilt) / math.cos(turn - tilt)
     # one millimetre along the pitch cone covers this much of the pinion axis, measured on the face cone
     axial = math.cos(face.angle) / math.cos(face.angle - pinion)
     margin = depth.working_depth * abs(math.sin(face.offset_angle)) * (1.0 - 1.0 / ratio)
@@ -441,7 +436,7 @@ def _gleason_face_width(design: BlankDesign, cones: PitchCones, depth: ToothDept
     share = cones.face_width_factor
     outside = (share * contact * axial + margin - step + raised) / axial
     inside = ((1.0 - share) * contact * axial + margin + step - raised) / axial
-    return PinionFaceWidth(outside, inside, axial_angle, contact)
+    return PinionFaceWidth(outside, inside, tilt, contact)
 
 
 def thickness_modification(

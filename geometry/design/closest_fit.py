@@ -45,15 +45,13 @@ def target_range(target: EaseOffTarget) -> float:
     return float(np.ptp(target(t, h)))
 
 
-def require_usable(
-    side: FlankName, residual: float, target: EaseOffTarget, advice: str = ADVICE["closest_fit"]
-) -> None:
-    """Refuse a fit whose largest residual [mm] is beyond the second of ``residual_limits``."""
+def require_usable(side: FlankName, missed: float, target: EaseOffTarget, advice: str = ADVICE["closest_fit"]) -> None:
+    """Refuse a fit that missed its target by more [mm] than the second of ``residual_limits``."""
     limit = residual_limits(target)[1]
-    if not residual <= limit:
+    if not missed <= limit:
         raise GeometryError(
             f"{side}: no pinion near the target ease-off was found: the best one misses it by up to "
-            f"{1e3 * residual:.1f} um, where the target's range is {1e3 * target_range(target):.1f} um and "
+            f"{1e3 * missed:.1f} um, where the target's range is {1e3 * target_range(target):.1f} um and "
             f"{1e3 * limit:.1f} um would do; {advice}, ask for less crowning and bias, or {BLANK_ADVICE}"
         )
 
@@ -206,11 +204,9 @@ def _from_crown_gear(pair: GearPair, target: EaseOffTarget, free: Sequence[str] 
     surface, section = pair.pinion.loaded, pair.pinion.section
     height = tip_gap(surface, section)
     for _ in range(ROOT_PASSES if follow_root else 1):
-        wanted = np.nan_to_num(root_gap(surface, section) - height)
+        root = np.nan_to_num(root_gap(surface, section) - height)
         near = replace(pair, pinion=replace(pair.pinion, loaded=surface))
-        again = fit_pinion(
-            near, target, free=free, follow_root=follow_root, fold_margin=FOLD_MARGIN, wanted_root=wanted
-        )
+        again = fit_pinion(near, target, free=free, follow_root=follow_root, fold_margin=FOLD_MARGIN, wanted_root=root)
         fit = started_from(pair.pinion.loaded, again, again.moved)
         if not np.any(np.abs(fit.root_gap) > ROOT_TOLERANCE):
             break

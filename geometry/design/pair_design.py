@@ -154,22 +154,18 @@ def _closest(
     pinion: dict[FlankName, Synthesis] = {}
     for side in SIDES:
         try:
-            pinion[side] = best_fit(
-                [pairs[side] for pairs in starts], targets[side], free, follow_root, clearance, steps
-            )
+            pinion[side] = best_fit([each[side] for each in starts], targets[side], free, follow_root, clearance, steps)
         except GeometryError as error:
             reason = "" if free is None else f": {error}"
             raise GeometryError(f"{side}: no pinion was found that meets the gear{reason}; {BLANK_ADVICE}") from error
     return pinion
 
 
-def _with_fitting_edges(
-    designed: PairDesign, name: MemberName, require: ToothCheck, steps: StandardSteps
-) -> PairDesign:
+def _with_fitting_edges(designed: PairDesign, name: MemberName, check: ToothCheck, steps: StandardSteps) -> PairDesign:
     """The design with the usual edge radius of one member made so small that blades and fillets fit the slot."""
     pair, flank = designed.pair(), designed.gear[0] if name == "gear" else designed.pinion["drive"].surface
     usual = allowed_edge_radius(pair, name, flank.blade.edge_radius)
-    radius = fitting_edge_radius(pair, name, usual, require, steps)
+    radius = fitting_edge_radius(pair, name, usual, check, steps)
     if name == "gear":
         return replace(designed, gear=(rounded(designed.gear[0], radius), rounded(designed.gear[1], radius)))
     return replace(

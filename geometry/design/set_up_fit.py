@@ -286,10 +286,7 @@ def _cost(fits: Mapping[FlankName, Synthesis]) -> float:
 
 
 def set_up_residual(
-    sides: Mapping[FlankName, Side],
-    shared: tuple[str, ...],
-    blank: BlankDimensions,
-    own: tuple[str, ...] = BLADE_SETTINGS,
+    sides: Mapping[FlankName, Side], shared: Sequence[str], blank: BlankDimensions, own: Sequence[str] = BLADE_SETTINGS
 ) -> SetUpResidual:
     """Residuals of a set-up that cuts the given sides; each begins from the same machine settings."""
     names, tie = (*shared, *own), None if "sliding_base" in shared else partial(_on_the_root, blank)
@@ -338,9 +335,7 @@ def _fit(
 def _synthesis(pair: GearPair, part: EaseOffResidual, steps: Array) -> Synthesis:
     """The fitted flank, its tilt written as a positive angle."""
     left, surface = part.left(steps), with_positive_tilt(part.surface(steps))
-    moved = {
-        name: (float(origin), get_setting(surface, name)) for name, origin in zip(part.free, part.origin, strict=True)
-    }
+    moved = {name: (float(old), get_setting(surface, name)) for name, old in zip(part.free, part.origin, strict=True)}
     return Synthesis(surface, moved, left, tip_gap(surface, pair.pinion.section))
 
 

@@ -105,10 +105,8 @@ class ToothProportions:
     def offset_angle(self) -> float:
         """Offset angle in the pitch plane (zeta_mp) [rad] (7, 8, 13, 14)."""
         pinion, gear = self.pitch_angle
-        diameters = [
-            2.0 * r * math.sin(angle) for r, angle in zip(self.mean_cone_distance, self.pitch_angle, strict=True)
-        ]
-        lean = diameters[1] + diameters[0] * math.cos(gear) / math.cos(pinion)
+        of_pinion, of_gear = self.mean_cone_distance
+        lean = 2.0 * of_gear * math.sin(gear) + 2.0 * of_pinion * math.sin(pinion) * math.cos(gear) / math.cos(pinion)
         return math.asin(2.0 * self.hypoid_offset / lean * math.sin(self.shaft_angle) / math.cos(pinion))
 
     @property

@@ -106,9 +106,8 @@ def mean_parameters(surface: GeneratingSurface, section: BlankSection) -> Array:
     candidates = np.flatnonzero(np.isfinite(mismatch))
     candidates = candidates[np.argsort(mismatch[candidates])[:24]]
     if candidates.size:
-        solution = solve(
-            surface.axial_and_radial, lattice[:, candidates], np.repeat(target, candidates.size, 1), surface.max_step
-        )
+        start, wanted = lattice[:, candidates], np.repeat(target, candidates.size, 1)
+        solution = solve(surface.axial_and_radial, start, wanted, surface.max_step)
         _, _, distance = surface.evaluate(solution.parameters)
         error = np.where(solution.converged, np.abs(distance - expected), np.inf)
         best = int(np.argmin(error))
@@ -290,9 +289,7 @@ def _solve_part(surface: GeneratingSurface, section: BlankSection, target: Array
     status[~solution.converged | seeds.strayed(start.parameters, solution.parameters)] = NodeStatus.NO_SOLUTION
     unusable = (status == NodeStatus.NO_SOLUTION) | (status == NodeStatus.UNDERCUT)
     position, normal = np.where(unusable, np.nan, position), np.where(unusable, np.nan, normal)
-    return Flank(
-        surface, solution.parameters, position, normal, distance, status, np.zeros(status.shape, dtype=np.int8)
-    )
+    return Flank(surface, solution.parameters, position, normal, distance, status, np.zeros_like(status))
 
 
 @record(frozen=True)

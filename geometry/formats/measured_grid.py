@@ -408,10 +408,8 @@ class DeviationTable:
         """Nominal points of the table on its flank of a member, where ``easeoff export`` has them."""
         if self.flank != side(member.loaded):
             if member.opposite is None:
-                known = repr(side(member.loaded))
-                raise InputError(
-                    f"{self.source}: flank = {self.flank!r}: must be {known}, the one given for this member"
-                )
+                wanted = f"must be {side(member.loaded)!r}, the one given for this member"
+                raise InputError(f"{self.source}: flank = {self.flank!r}: {wanted}")
             member = member.from_opposite
         (rows, columns), margins = self.deviation.shape, self.margins
         if member.opposite is not None:
@@ -518,12 +516,10 @@ def parsed_dmis(content: str, source: str) -> xr.Dataset:
             continue
         if scale is None:
             raise InputError(f"{where}: a point stands before the first UNITS/ statement, so that its unit is unknown")
-        kind, label = match[1].upper(), match[2].strip().upper()
+        kind, label = match[1].upper(), match[2].strip().upper()[:LABEL_LENGTH_LIMIT]
         if match[3].upper() != "CART":
-            raise InputError(
-                f"{where}: {kind}({label[:LABEL_LENGTH_LIMIT]}) in {match[3]} coordinates: only CART is read"
-            )
-        index = DMIS_LABEL.search(label[:LABEL_LENGTH_LIMIT])
+            raise InputError(f"{where}: {kind}({label}) in {match[3]} coordinates: only CART is read")
+        index = DMIS_LABEL.search(label)
         if index is None:
             raise InputError(
                 f"{where}: label = {excerpt(label)}: must tell flank, row and column, as CONCAVE_R1_C1 does"
@@ -532,7 +528,7 @@ def parsed_dmis(content: str, source: str) -> xr.Dataset:
         values = _numbers(match[4], scale, where)
         # A program defines a point, and its results put it out again.
         if features[kind].setdefault(key, values) != values:
-            raise InputError(f"{where}: a second {kind}({label[:LABEL_LENGTH_LIMIT]}), other than the first")
+            raise InputError(f"{where}: a second {kind}({label}), other than the first")
     return _combined(features["F"], features["FA"], source)
 
 
@@ -572,10 +568,8 @@ def _combined(nominal: cmm_csv.Points, actual: cmm_csv.Points, source: str) -> x
         if len(nominal.get(key, [])) != 6:
             raise InputError(f"{source}: FA({name}) has no nominal point F({name}) with its normal")
         points[key] = [*nominal[key], *measured[:3]]
-    missing = [key for key in nominal if key not in actual]
-    if missing:
-        flank, row, column = missing[0]
-        raise InputError(
-            f"{source}: {len(missing)} points were not measured, the first {flank}, row {row}, col. {column}"
-        )
+    gaps = [key for key in nominal if key not in actual]
+    if gaps:
+        flank, row, column = gaps[0]
+        raise InputError(f"{source}: {len(gaps)} points were not measured, the first {flank}, row {row}, col. {column}")
     return cmm_csv.gridded(points, {"length_unit": "mm"}, source)

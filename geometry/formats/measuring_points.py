@@ -290,11 +290,9 @@ def check_points(dataset: xr.Dataset, source: Path | str, *kinds: str) -> None:
         if name not in dataset or dataset[name].dims != dimensions or dataset[name].dtype.kind != "f":
             raise InputError(f"{source} is incomplete: no numbers {name!r} over ({', '.join(dimensions)})")
         require_units(dataset, name, str(units_of(name)), source)
-        missing = [dimension for dimension in dimensions if dimension not in dataset.coords]
-        if missing or dataset.sizes["xyz"] != 3:
-            raise InputError(
-                f"{source} is incomplete: no coordinate {(missing or ['xyz'])[0]!r}, or not of three values"
-            )
+        missing = next((dimension for dimension in dimensions if dimension not in dataset.coords), "xyz")
+        if missing not in dataset.coords or dataset.sizes["xyz"] != 3:
+            raise InputError(f"{source} is incomplete: no coordinate {missing!r}, or not of three values")
         if not np.all(np.isfinite(dataset[name].values)):
             raise InputError(f"{source}: {name!r} holds values that are no finite numbers")
         largest = float(np.max(np.abs(dataset[name].values), initial=0.0))

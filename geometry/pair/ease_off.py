@@ -96,11 +96,9 @@ def _separation(motion: ConjugateMotion, points: SurfacePoints, rotation: Array)
     curvature, following = _gap_curvature(slopes)
     # The points that follow the node come near by their rates; one step of Newton's method then leaves an error of 1e-5
     # in second derivatives.
-    before_and_after = np.repeat([-SKEW_STEP, SKEW_STEP], rotation.size)
-    near = np.tile(points.parameters, 2) + before_and_after * np.tile(following, 2)
-    values, slopes = motion.closing_and_place(
-        SurfacePoints.of(motion.surface, near), np.tile(rotation, 2) + before_and_after
-    )
+    shifts = np.repeat([-SKEW_STEP, SKEW_STEP], rotation.size)
+    near = np.tile(points.parameters, 2) + shifts * np.tile(following, 2)
+    values, slopes = motion.closing_and_place(SurfacePoints.of(motion.surface, near), np.tile(rotation, 2) + shifts)
     before, after = _gap_curvature(slopes)[0].reshape(2, -1)
     passing = near + cramers_rule(slopes[0, 1:], slopes[1, 1:], np.tile(place, 2) - values[1:])
     return curvature, (after - before) / (2.0 * SKEW_STEP), passing.reshape(2, 2, -1).swapaxes(0, 1)

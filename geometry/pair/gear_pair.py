@@ -58,18 +58,16 @@ def flank_dataset(lengthwise: Array, profile: Array, flank: Flank) -> xr.Dataset
 def first_contact(angle: Array, inside: Array) -> float:
     """Smallest value of a field (nt, nh) over its valid nodes, refined by the paraboloid through those around it."""
     row, column = np.unravel_index(np.argmin(np.where(inside, angle, np.inf)), angle.shape)
-    smallest = float(angle[row, column])
+    least = float(angle[row, column])
     patch = angle[max(row - 1, 0) : row + 2, max(column - 1, 0) : column + 2]
-    if patch.shape != (3, 3) or not np.all(np.isfinite(patch)) or np.min(patch) < smallest:
-        return smallest
+    if patch.shape != (3, 3) or not np.all(np.isfinite(patch)) or np.min(patch) < least:
+        return least
     gradient = np.array([patch[2, 1] - patch[0, 1], patch[1, 2] - patch[1, 0]]) / 2.0
     mixed = (patch[2, 2] - patch[2, 0] - patch[0, 2] + patch[0, 0]) / 4.0
-    bend = np.array(
-        [[patch[2, 1] - 2 * smallest + patch[0, 1], mixed], [mixed, patch[1, 2] - 2 * smallest + patch[1, 0]]]
-    )
+    bend = np.array([[patch[2, 1] - 2 * least + patch[0, 1], mixed], [mixed, patch[1, 2] - 2 * least + patch[1, 0]]])
     if np.linalg.det(bend) <= 0.0 or bend[0, 0] <= 0.0:
-        return smallest
-    return smallest - 0.5 * float(gradient @ np.linalg.solve(bend, gradient))
+        return least
+    return least - 0.5 * float(gradient @ np.linalg.solve(bend, gradient))
 
 
 def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift: Drift) -> xr.Dataset:

@@ -89,10 +89,8 @@ class PitchCones:
         r1, r2 = self.pinion_mean_cone_distance, self.gear_mean_cone_distance
         limit = self.limit_pressure_angle
         twist = slope1 / (r1 * math.tan(self.pinion_pitch_angle)) + slope2 / (r2 * math.tan(self.gear_pitch_angle))
-        spread = 1.0 / (r1 * math.cos(self.pinion_mean_spiral_angle)) - 1.0 / (
-            r2 * math.cos(self.gear_mean_spiral_angle)
-        )
-        return math.cos(limit) * (spread - math.tan(limit) * twist) / (slope1 - slope2)
+        gap = 1.0 / (r1 * math.cos(self.pinion_mean_spiral_angle)) - 1.0 / (r2 * math.cos(self.gear_mean_spiral_angle))
+        return math.cos(limit) * (gap - math.tan(limit) * twist) / (slope1 - slope2)
 
     @property
     def limit_radius_of_curvature(self) -> float:
