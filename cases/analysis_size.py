@@ -46,14 +46,9 @@ class AnalysisSize:
 
     @classmethod
     def of(
-        cls,
-        case: Case,
-        torques: int | None = None,
-        conditions: tuple[int, int, int] = (0, 0, 0),
-        *,
-        feedback: bool = False,
+        cls, case: Case, torques: int | None = None, counts: tuple[int, int, int] = (0, 0, 0), *, feedback: bool = False
     ) -> AnalysisSize:
-        """Sizes of a case's analysis; conditions are the numbers of speeds, temperatures and roughnesses."""
+        """Sizes of a case's analysis; counts are the numbers of speeds, temperatures and roughnesses."""
         contact = case.contact
         return cls(
             len(contact.torques) if torques is None else torques,
@@ -61,7 +56,7 @@ class AnalysisSize:
             contact.segments_per_line,
             contact.lengthwise_nodes,
             contact.profile_nodes,
-            *conditions,
+            *counts,
             feedback,
         )
 

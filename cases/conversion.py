@@ -188,9 +188,7 @@ def materials(case: Case) -> tuple[Material, Material]:
     """Materials of pinion and gear."""
     from ..contact.compliance import Material
 
-    pinion, gear = (
-        Material(member.material.elastic_modulus, member.material.poisson_ratio) for member in (case.pinion, case.gear)
-    )
+    pinion, gear = (Material(m.material.elastic_modulus, m.material.poisson_ratio) for m in (case.pinion, case.gear))
     return pinion, gear
 
 
@@ -208,12 +206,10 @@ def finite_elements(
     make = finite_element_tooth if table.model == "fe" else solid_shell_tooth
     what = "finite elements" if table.model == "fe" else "solid shell"
 
-    def tooth(
-        member: MemberName, material: Material, rim_depth: float | None, web: WebTable | None
-    ) -> FiniteElementTooth:
+    def tooth(member: MemberName, material: Material, rim: float | None, web: WebTable | None) -> FiniteElementTooth:
         if stage is not None:
             stage(f"{what} of the {member}")
-        body = ToothBody(rim_depth, table.neighbours, None if web is None else Web(web.bore_diameter, web.thickness))
+        body = ToothBody(rim, table.neighbours, None if web is None else Web(web.bore_diameter, web.thickness))
         return make(pair, member, material, table.fineness, body)
 
     (pinion, gear), (of_pinion, of_gear) = materials(case), table.rim_depth or (None, None)

@@ -79,10 +79,8 @@ class FileKind(Generic[Model]):
             near = near or suggestion(name, [*self.names(), *_beside(path)])
             known = ", ".join(self.names())
             raise InputError(f"{kind} {name!r}: there is no such file, and the shipped {kind}s are: {known}{near}")
-        if path.suffix.lower() in FOREIGN_SUFFIXES:
-            raise InputError(
-                f"{kind} {name!r} is {FOREIGN_SUFFIXES[path.suffix.lower()]}; a {kind} is a text file, in TOML"
-            )
+        if foreign := FOREIGN_SUFFIXES.get(path.suffix.lower()):
+            raise InputError(f"{kind} {name!r} is {foreign}; a {kind} is a text file, in TOML")
         try:
             return read_text(path, TOML_SIZE_LIMIT), path.absolute().parent
         except InputError as error:

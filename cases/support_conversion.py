@@ -7,15 +7,7 @@ from typing import get_args
 import numpy as np
 
 from ..contact.compliance.material import Material
-from ..contact.supports.shaft import (
-    Bearing,
-    Shaft,
-    ShaftSection,
-    ShaftSupport,
-    ShaftSupports,
-    Stiffness,
-    StiffnessCurve,
-)
+from ..contact.supports.shaft import Bearing, Shaft, ShaftSection, ShaftSupport, ShaftSupports, StiffnessCurve
 from ..contact.supports.support import LoadedSupports, MemberAxis, Support, Supports, member_axes
 from ..core.checks import instance
 from ..core.errors import errors_about
@@ -125,7 +117,7 @@ def _bearing(table: BearingTable) -> Bearing:
 
 def _stiffness(
     stiffness: float | tuple[tuple[float, float], ...] | None, displacement: tuple[tuple[float, float], ...] | None
-) -> Stiffness:
+) -> float | StiffnessCurve:
     if displacement is not None:
         loads, values = zip(*displacement, strict=True)
         return StiffnessCurve(loads, values)

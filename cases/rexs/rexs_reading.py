@@ -39,6 +39,9 @@ class Component:
     name: str
     attributes: Mapping[str, ET.Element]
 
+    def __str__(self) -> str:
+        return f"component {self.number} ({self.kind})"
+
     def text(self, term: Term) -> str | None:
         """Text of an attribute; ``None`` if it is not there."""
         element = self.attributes.get(term.attribute)
@@ -63,7 +66,7 @@ class Component:
 
     def described(self, term: Term) -> str:
         """Name of an attribute in messages."""
-        return f"component {self.number} ({self.kind}), attribute {term.attribute}"
+        return f"{self}, attribute {term.attribute}"
 
     def _converted(self, term: Term, text: str) -> float:
         unit = self.attributes[term.attribute].get("unit", term.unit).strip()
@@ -342,8 +345,8 @@ def _read_member(
             table[name] = settings
             if flank.text(rexs.FLANK_TERM) is None:
                 notes.append(
-                    f"component {flank.number} (bevel_gear_flank): the {role} flank is taken as the {name} one, seen "
-                    "from the heel; REXS does not say from where"
+                    f"{flank}: the {role} flank is taken as the {name} one, seen from the heel; REXS does not say from "
+                    "where"
                 )
     return table
 
@@ -356,23 +359,18 @@ def _read_flank(
     if not steps:
         return None
     if len(steps) > 1:
-        notes.append(
-            f"component {flank.number} (bevel_gear_flank): the last of {len(steps)} manufacturing steps is used"
-        )
+        notes.append(f"{flank}: the last of {len(steps)} manufacturing steps is used")
     tool = model.in_role(steps[-1], "tool", "bevel_gear_tool")
     made = model.in_role(steps[-1], "manufacturing_settings", "bevel_gear_manufacturing_settings")
     if tool is None or made is None:
         raise InputError(
-            f"component {flank.number} (bevel_gear_flank): its manufacturing step names no bevel_gear_tool or no "
-            "bevel_gear_manufacturing_settings"
+            f"{flank}: its manufacturing step names no bevel_gear_tool or no bevel_gear_manufacturing_settings"
         )
     visited |= {tool.number, made.number}
     machine = _needed(made, Machine, rexs.MACHINE_TERMS, missing, "radial_distance", "cradle_angle")
     if not machine.get("ratio_of_roll"):
         if "ratio_of_roll" not in machine:
-            notes.append(
-                f"component {made.number} ({made.kind}): has no ratio_of_roll, so that the member is taken as Formate"
-            )
+            notes.append(f"{made}: has no ratio_of_roll, so that the member is taken as Formate")
         machine.pop("ratio_of_roll", None)
     roll = made.numbers_of(rexs.MODIFIED_ROLL_TERM)
     if any(roll[len(ROLL_KEYS) :]):
@@ -387,8 +385,8 @@ def _read_flank(
             motions[key] = polynomial_derivatives(coefficients, unit=unit)
     if any(roll) or any(any(values) for values in motions.values()):
         notes.append(
-            f"component {made.number} ({made.kind}): coefficients of modified roll and motions are taken as those of "
-            "powers of the cradle increment in rad, as the page on exchange says; REXS does not define them"
+            f"{made}: coefficients of modified roll and motions are taken as those of powers of the cradle increment "
+            "in rad, as the page on exchange says; REXS does not define them"
         )
     machine["motions"] = motions
     return {"machine": machine, "cutter": _needed(tool, Cutter, rexs.CUTTER_TERMS, missing)}
@@ -401,7 +399,7 @@ def _not_used(model: Model, visited: set[int]) -> list[str]:
         component = model.components[number]
         unknown = [name for name in component.attributes if name not in rexs.ATTRIBUTES_READ[component.kind]]
         if unknown:
-            notes.append(f"component {number} ({component.kind}): not used: {', '.join(unknown)}")
+            notes.append(f"{component}: not used: {', '.join(unknown)}")
     others = Counter(component.kind for number, component in model.components.items() if number not in visited)
     notes += [f"not used: components of type {kind} ({count})" for kind, count in sorted(others.items())]
     if model.loaded:

@@ -26,9 +26,7 @@ class Term(NamedTuple):
 
 _TABLES = tomllib.loads(resources.files(__package__).joinpath("rexs_terms.toml").read_text(encoding="utf-8"))
 #: Units a file may state: our own unit of the same quantity, and what to multiply by.
-UNIT_FACTORS: Mapping[str, tuple[str, float]] = {
-    unit: (ours, factor) for unit, (ours, factor) in _TABLES["units"].items()
-}
+UNIT_FACTORS: Mapping[str, tuple[str, float]] = {unit: (ours, by) for unit, (ours, by) in _TABLES["units"].items()}
 
 
 def _terms(table: str) -> dict[str, Term]:

@@ -27,7 +27,7 @@ from .blank_design_table import BlankDesignTable
 from .cutting_table import ROLL_KEYS, FlankSettings
 from .friction_table import FrictionTable
 from .load_case_table import LoadCases, named_load_cases
-from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number, optional
+from .schema_table import Description, InputFile, Table, Title, key, number, optional
 from .supports_table import SupportsTable
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM, torque_range, usual_torques
 
@@ -95,11 +95,11 @@ DEFLECTION_ROW_COUNT_LIMIT = 1000
 class DeflectionRow(Table):
     """A row of a table of deflections; a key must be in all rows or in none, where it counts as zero."""
 
-    torque: Number = number("at the pinion, rising", "N m", ge=0, lt=TORQUE_LIMIT)
-    E: Number | None = optional("increase of the offset", "mm", gt=-10, lt=10)
-    P: Number | None = optional("pinion away from the crossing point", "mm", gt=-10, lt=10)
-    G: Number | None = optional("gear away from the crossing point", "mm", gt=-10, lt=10)
-    Sigma: Number | None = optional("increase of the shaft angle", "deg", gt=-5, lt=5)
+    torque: float = number("at the pinion, rising", "N m", ge=0, lt=TORQUE_LIMIT)
+    E: float | None = optional("increase of the offset", "mm", gt=-10, lt=10)
+    P: float | None = optional("pinion away from the crossing point", "mm", gt=-10, lt=10)
+    G: float | None = optional("gear away from the crossing point", "mm", gt=-10, lt=10)
+    Sigma: float | None = optional("increase of the shaft angle", "deg", gt=-5, lt=5)
     flank: Literal["drive", "coast"] | None = key("in mesh; both if left out", default=None)
 
 
@@ -117,10 +117,10 @@ DeflectionRows = Annotated[
 class MisalignmentTable(Table):
     """Assembly errors; with deflections those are added to them."""
 
-    offset: Number = number("E: increase of the offset", "mm", default=0.0, gt=-10, lt=10)
-    pinion_axial: Number = number("P: pinion away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
-    gear_axial: Number = number("G: gear away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
-    shaft_angle: Number = number("Sigma: increase of the shaft angle", "deg", default=0.0, gt=-5, lt=5)
+    offset: float = number("E: increase of the offset", "mm", default=0.0, gt=-10, lt=10)
+    pinion_axial: float = number("P: pinion away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
+    gear_axial: float = number("G: gear away from the crossing point", "mm", default=0.0, gt=-10, lt=10)
+    shaft_angle: float = number("Sigma: increase of the shaft angle", "deg", default=0.0, gt=-5, lt=5)
     deflections: DeflectionRows = ()
 
     def _check(self) -> None:
@@ -152,21 +152,19 @@ def deflections_of(rows: Sequence[DeflectionRow], constant: Misalignment | None 
 class Blank(Table):
     """Axial section of a member's blank."""
 
-    pitch_angle: Number = number("pitch angle", "deg", gt=0, lt=90)
-    face_angle: Number = number("face angle", "deg", gt=0, lt=95)
-    root_angle: Number = number("root angle", "deg", gt=-5, lt=90)
-    pitch_apex_beyond_crossing_point: Number = number(
-        "positive away from the teeth", "mm", default=0.0, gt=-500, lt=500
-    )
-    face_apex_beyond_crossing_point: Number = number("positive away from the teeth", "mm", default=0.0, gt=-500, lt=500)
-    root_apex_beyond_crossing_point: Number = number("positive away from the teeth", "mm", default=0.0, gt=-500, lt=500)
-    outer_cone_distance: Number = number("pitch apex to heel", "mm", gt=1, lt=5000)
-    face_width: Number = number("toe to heel along the pitch cone", "mm", gt=0.5, lt=1000)
-    clearance: Number = number("root cone to the end of the flank, at right angles", "mm", default=0.0, ge=0, lt=50)
-    front_angle: Number | None = optional(
+    pitch_angle: float = number("pitch angle", "deg", gt=0, lt=90)
+    face_angle: float = number("face angle", "deg", gt=0, lt=95)
+    root_angle: float = number("root angle", "deg", gt=-5, lt=90)
+    pitch_apex_beyond_crossing_point: float = number("positive away from the teeth", "mm", default=0.0, gt=-500, lt=500)
+    face_apex_beyond_crossing_point: float = number("positive away from the teeth", "mm", default=0.0, gt=-500, lt=500)
+    root_apex_beyond_crossing_point: float = number("positive away from the teeth", "mm", default=0.0, gt=-500, lt=500)
+    outer_cone_distance: float = number("pitch apex to heel", "mm", gt=1, lt=5000)
+    face_width: float = number("toe to heel along the pitch cone", "mm", gt=0.5, lt=1000)
+    clearance: float = number("root cone to the end of the flank, at right angles", "mm", default=0.0, ge=0, lt=50)
+    front_angle: float | None = optional(
         "cone at right angles to the toe line; pitch_angle if left out", "deg", gt=-90, lt=180
     )
-    back_angle: Number | None = optional(
+    back_angle: float | None = optional(
         "cone at right angles to the heel line; pitch_angle if left out", "deg", gt=-90, lt=180
     )
 
@@ -186,22 +184,22 @@ class Blank(Table):
 class Steel(Table):
     """Elastic constants of a member."""
 
-    elastic_modulus: Number = number("Young's modulus", "MPa", default=206000.0, gt=500, lt=1e6)
-    poisson_ratio: Number = number("Poisson's ratio", "1", default=0.3, ge=0, lt=0.5)
+    elastic_modulus: float = number("Young's modulus", "MPa", default=206000.0, gt=500, lt=1e6)
+    poisson_ratio: float = number("Poisson's ratio", "1", default=0.3, ge=0, lt=0.5)
 
 
 class MemberTable(Table):
     """A pinion or a gear."""
 
-    number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
-    mean_normal_circular_thickness: Number | None = optional(
+    number_of_teeth: int = number("number of teeth", "1", ge=3, le=500)
+    mean_normal_circular_thickness: float | None = optional(
         "of the teeth at the mean point, on the pitch cone (s_mn of ISO 23509); from the cutter, or about the mate's "
         "slot, if no thickness is given",
         "mm",
         gt=0,
         lt=200,
     )
-    mid_flank_normal_circular_thickness: Number | None = optional(
+    mid_flank_normal_circular_thickness: float | None = optional(
         "instead of it: in the middle of the flank", "mm", gt=0, lt=200
     )
     blank: Blank | None = None
@@ -235,8 +233,8 @@ class PinionTable(MemberTable):
 class PairTable(Table):
     """Position of the axes."""
 
-    shaft_angle: Number = number("shaft angle", "deg", default=90.0, gt=5, lt=175)
-    hypoid_offset: Number = number(
+    shaft_angle: float = number("shaft angle", "deg", default=90.0, gt=5, lt=175)
+    hypoid_offset: float = number(
         "zero for a spiral bevel pair; positive makes the pinion's spiral angle the larger one: a left-hand pinion "
         "below, a right-hand one above centre",
         "mm",
@@ -249,20 +247,20 @@ class PairTable(Table):
 class ContactTable(Table):
     """Torques and resolution of the analysis; without torques the case takes those of ``usual_torques``."""
 
-    torques: Annotated[tuple[Number, ...], Field(strict=False, min_length=1, max_length=1000)] = number(
+    torques: Annotated[tuple[float, ...], Field(strict=False, min_length=1, max_length=1000)] = number(
         "at the pinion; if left out, three in proportion to the size of the teeth, the middle one 40 N/mm² times face "
         "width, outer transverse module squared and half the pinion's teeth",
         "N m",
         default=(),
     )
-    mesh_positions: Integer = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
-    segments_per_line: Integer = number("segments per line", "1", default=31, ge=3, le=2000)
+    mesh_positions: int = number("pinion rotations in one pitch", "1", default=32, ge=3, le=2000)
+    segments_per_line: int = number("segments per line", "1", default=31, ge=3, le=2000)
     edge_contact: bool = key(
         "[edges](../guides/finite_elements.md#edges) may touch beside the contact lines", default=True
     )
-    lengthwise_nodes: Integer = number("grid nodes along the face", "1", default=31, ge=7, le=1001)
-    profile_nodes: Integer = number("grid nodes up the profile", "1", default=21, ge=7, le=1001)
-    separation: Number = number(
+    lengthwise_nodes: int = number("grid nodes along the face", "1", default=31, ge=7, le=1001)
+    profile_nodes: int = number("grid nodes up the profile", "1", default=21, ge=7, le=1001)
+    separation: float = number(
         "gap at which an unloaded contact line ends; thickness of the marking compound",
         "um",
         default=6.0,
@@ -282,15 +280,15 @@ def _of_both_members(value: Any) -> Any:
     return (value, value) if isinstance(value, int | float) else value
 
 
-Depth = Annotated[Number, Field(gt=0, lt=1000)]
+Depth = Annotated[float, Field(gt=0, lt=1000)]
 Depths = Annotated[tuple[Depth, Depth], BeforeValidator(_of_both_members), Field(strict=False)]
 
 
 class WebTable(Table):
     """Web that carries a member's rim from its toe end inwards along the root cone, held at its bore."""
 
-    bore_diameter: Number = number("where the web ends and is held", "mm", gt=0, lt=5000)
-    thickness: Number | None = optional(
+    bore_diameter: float = number("where the web ends and is held", "mm", gt=0, lt=5000)
+    thickness: float | None = optional(
         "at right angles to the root cone, flush with the rim's bottom; the rim's if left out", "mm", gt=0, lt=1000
     )
 
@@ -310,17 +308,17 @@ class ComplianceTable(Table):
     plate: Literal["even", "fitted"] = key(
         "`fitted` follows thickness over the height and fanning; `even` is the dissertation's", default="even"
     )
-    profile_modes: Integer = number("shell modes up the profile", "1", default=5, ge=1, le=12)
-    lengthwise_modes: Integer = number("shell modes along the face", "1", default=15, ge=1, le=60)
-    shear_factor: Number = number("shear correction", "1", default=1.0, gt=0, le=1)
+    profile_modes: int = number("shell modes up the profile", "1", default=5, ge=1, le=12)
+    lengthwise_modes: int = number("shell modes along the face", "1", default=15, ge=1, le=60)
+    shear_factor: float = number("shear correction", "1", default=1.0, gt=0, le=1)
     root: Literal["weber", "odonnell", "clamped"] = key("root springs; `clamped` for a rigid root", default="weber")
-    root_factor: Number = number("multiplies the root's flexibility", "1", default=1.0, gt=0, le=10)
+    root_factor: float = number("multiplies the root's flexibility", "1", default=1.0, gt=0, le=10)
     rim_depth: Depths | None = optional(
         "elastic body below the root, of both members or of pinion and gear; 1.2 times the tooth's height if left out",
         "mm",
         allowed="one or two, > 0, < 1000",
     )
-    fineness: Number = number("multiplies bricks and functions in every direction", "1", default=1.0, ge=0.2, le=4)
+    fineness: float = number("multiplies bricks and functions in every direction", "1", default=1.0, ge=0.2, le=4)
 
     neighbours: bool = key("teeth of a member share its body; otherwise each has a sector of its own", default=True)
     pinion_web: WebTable | None = None
@@ -346,11 +344,11 @@ class TargetTable(Table):
     A record: the analysis uses the settings.
     """
 
-    lengthwise_crowning: Number = number("ease-off at toe and heel, mid height", "um", default=0.0, gt=-1e4, lt=1e4)
-    profile_crowning: Number = number("ease-off at root and tip, mid face", "um", default=0.0, gt=-1e4, lt=1e4)
-    bias: Number = number("(toe-tip + heel-root - toe-root - heel-tip) / 4", "um", default=0.0, gt=-1e4, lt=1e4)
-    spiral_angle_error: Number = number("half of heel less toe", "um", default=0.0, gt=-1e4, lt=1e4)
-    pressure_angle_error: Number = number("half of tip less root", "um", default=0.0, gt=-1e4, lt=1e4)
+    lengthwise_crowning: float = number("ease-off at toe and heel, mid height", "um", default=0.0, gt=-1e4, lt=1e4)
+    profile_crowning: float = number("ease-off at root and tip, mid face", "um", default=0.0, gt=-1e4, lt=1e4)
+    bias: float = number("(toe-tip + heel-root - toe-root - heel-tip) / 4", "um", default=0.0, gt=-1e4, lt=1e4)
+    spiral_angle_error: float = number("half of heel less toe", "um", default=0.0, gt=-1e4, lt=1e4)
+    pressure_angle_error: float = number("half of tip less root", "um", default=0.0, gt=-1e4, lt=1e4)
 
 
 class TargetsTable(Table):
@@ -409,10 +407,8 @@ class Case(InputFile):
         for name, value in (update or {}).items():
             if isinstance(value, Mapping) and name in type(self).model_fields:
                 inner = ", ".join(f"{inner_name!r}: ..." for inner_name in value)
-                change = f"model_copy(update={{{name!r}: case.{name}.model_copy(update={{{inner}}})}})"
-                raise InputError(
-                    f"{name} = {shown(dict(value))}: must be a table, not a dict; copy it too: case.{change}"
-                )
+                change = f"case.model_copy(update={{{name!r}: case.{name}.model_copy(update={{{inner}}})}})"
+                raise InputError(f"{name} = {shown(dict(value))}: must be a table, not a dict; copy it too: {change}")
         return super().model_copy(update=update, deep=deep)
 
     @property
@@ -420,8 +416,8 @@ class Case(InputFile):
         """Flanks in mesh that both members have."""
         return tuple(
             flank
-            for flank, (pinion, gear) in MATING_SIDES.items()
-            if pinion in self.pinion.sides and gear in self.gear.sides
+            for flank, (side, mate) in MATING_SIDES.items()
+            if side in self.pinion.sides and mate in self.gear.sides
         )
 
     def _summary_rows(self) -> list[tuple[str, str]]:

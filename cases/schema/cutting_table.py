@@ -8,7 +8,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from .schema_table import Integer, Number, Table, number, optional
+from .schema_table import Table, number, optional
 
 #: Keys of the modified roll, from the second derivative of the work rotation on.
 ROLL_KEYS = ("modified_roll_2c", "modified_roll_6d", "modified_roll_24e", "modified_roll_120f", "modified_roll_720g")
@@ -35,33 +35,31 @@ def blade_field(key: str) -> str:
 class Cutter(Table):
     """The blade of a cutter: its profile, its reliefs and its edge radius."""
 
-    blade_point_radius: Number = number("radius of the blade tip", "mm", gt=1, lt=2000)
-    blade_pressure_angle: Number = number("between blade edge and cutter axis", "deg", gt=-45, lt=60)
-    number_of_blade_groups: Integer = number("face hobbing; zero for face milling", "1", default=0, ge=0, le=100)
-    blade_offset_angle: Number = number(
+    blade_point_radius: float = number("radius of the blade tip", "mm", gt=1, lt=2000)
+    blade_pressure_angle: float = number("between blade edge and cutter axis", "deg", gt=-45, lt=60)
+    number_of_blade_groups: int = number("face hobbing; zero for face milling", "1", default=0, ge=0, le=100)
+    blade_offset_angle: float = number(
         "face hobbing: blade tip off the radial direction", "deg", default=0.0, gt=-60, lt=60
     )
-    blade_rake_angle: Number = number("face hobbing: turn about the cutter axis", "deg", default=0.0, gt=-60, lt=60)
-    blade_hook_angle: Number = number(
-        "face hobbing: turn about the radial direction", "deg", default=0.0, gt=-60, lt=60
-    )
-    blade_spheric_radius: Number | None = optional(
+    blade_rake_angle: float = number("face hobbing: turn about the cutter axis", "deg", default=0.0, gt=-60, lt=60)
+    blade_hook_angle: float = number("face hobbing: turn about the radial direction", "deg", default=0.0, gt=-60, lt=60)
+    blade_spheric_radius: float | None = optional(
         "circular profile, positive for a hollow edge, whose pressure angle grows towards the shank; "
         "straight if left out",
         "mm",
         gt=-1e7,
         lt=1e7,
     )
-    blade_reference_height: Number = number(
+    blade_reference_height: float = number(
         "where a circular profile has the pressure angle, above the tip plane", "mm", default=0.0, gt=-50, lt=100
     )
-    tool_edge_radius: Number = number("between profile and tip land", "mm", default=0.0, ge=0, lt=20)
-    toprem_depth: Number | None = optional("where it begins, above the tip plane", "mm", gt=0, lt=50)
-    toprem_angle: Number = number("decrease of the pressure angle", "deg", default=0.0, ge=0, lt=30)
-    toprem_radius: Number | None = optional("of its arc; straight if left out", "mm", gt=0.1, lt=1e7)
-    flankrem_depth: Number | None = optional("where it begins, above the tip plane", "mm", gt=0, lt=100)
-    flankrem_angle: Number = number("increase of the pressure angle", "deg", default=0.0, ge=0, lt=30)
-    flankrem_radius: Number | None = optional("of its arc; straight if left out", "mm", gt=0.1, lt=1e7)
+    tool_edge_radius: float = number("between profile and tip land", "mm", default=0.0, ge=0, lt=20)
+    toprem_depth: float | None = optional("where it begins, above the tip plane", "mm", gt=0, lt=50)
+    toprem_angle: float = number("decrease of the pressure angle", "deg", default=0.0, ge=0, lt=30)
+    toprem_radius: float | None = optional("of its arc; straight if left out", "mm", gt=0.1, lt=1e7)
+    flankrem_depth: float | None = optional("where it begins, above the tip plane", "mm", gt=0, lt=100)
+    flankrem_angle: float = number("increase of the pressure angle", "deg", default=0.0, ge=0, lt=30)
+    flankrem_radius: float | None = optional("of its arc; straight if left out", "mm", gt=0.1, lt=1e7)
 
     def _check(self) -> None:
         turned = (self.blade_offset_angle, self.blade_rake_angle, self.blade_hook_angle)
@@ -83,7 +81,7 @@ class Cutter(Table):
             raise ValueError("blade_reference_height belongs to a circular profile: give blade_spheric_radius")
 
 
-Derivatives = Annotated[tuple[Number, ...], Field(strict=False, max_length=6)]
+Derivatives = Annotated[tuple[float, ...], Field(strict=False, max_length=6)]
 
 
 class Motions(Table):
@@ -104,24 +102,24 @@ class Motions(Table):
 class Machine(Table):
     """Basic settings of the cradle machine, standard Gleason meaning."""
 
-    radial_distance: Number | None = optional("cutter centre to cradle axis", "mm", ge=0, lt=5000)
-    cradle_angle: Number | None = optional("positive for both hands", "deg", ge=-180, le=180)
-    horizontal_distance: Number | None = optional("Formate: cutter centre along the root line", "mm", gt=-5000, lt=5000)
-    vertical_distance: Number | None = optional("Formate: cutter centre across the root line", "mm", gt=-5000, lt=5000)
-    machine_root_angle: Number = number("machine root angle", "deg", ge=-45, le=120)
-    work_offset: Number = number("blank offset", "mm", default=0.0, gt=-500, lt=500)
-    sliding_base: Number = number("sliding base", "mm", default=0.0, gt=-1000, lt=1000)
-    machine_center_to_crossing_point: Number = number(
+    radial_distance: float | None = optional("cutter centre to cradle axis", "mm", ge=0, lt=5000)
+    cradle_angle: float | None = optional("positive for both hands", "deg", ge=-180, le=180)
+    horizontal_distance: float | None = optional("Formate: cutter centre along the root line", "mm", gt=-5000, lt=5000)
+    vertical_distance: float | None = optional("Formate: cutter centre across the root line", "mm", gt=-5000, lt=5000)
+    machine_root_angle: float = number("machine root angle", "deg", ge=-45, le=120)
+    work_offset: float = number("blank offset", "mm", default=0.0, gt=-500, lt=500)
+    sliding_base: float = number("sliding base", "mm", default=0.0, gt=-1000, lt=1000)
+    machine_center_to_crossing_point: float = number(
         "machine centre to back, along the work axis", "mm", default=0.0, gt=-1000, lt=1000
     )
-    cutter_tilt: Number = number("of the cutter axis", "deg", default=0.0, ge=-90, le=90)
-    cutter_swivel: Number = number("direction of the tilt", "deg", default=0.0, ge=-360, le=360)
-    ratio_of_roll: Number | None = optional("work over cradle rotation; left out for Formate", "1", gt=0, lt=100)
-    modified_roll_2c: Number = number("second order", "1", default=0.0, gt=-10, lt=10)
-    modified_roll_6d: Number = number("third order", "1", default=0.0, gt=-100, lt=100)
-    modified_roll_24e: Number = number("fourth order", "1", default=0.0, gt=-1000, lt=1000)
-    modified_roll_120f: Number = number("fifth order", "1", default=0.0, gt=-1e4, lt=1e4)
-    modified_roll_720g: Number = number("sixth order", "1", default=0.0, gt=-1e5, lt=1e5)
+    cutter_tilt: float = number("of the cutter axis", "deg", default=0.0, ge=-90, le=90)
+    cutter_swivel: float = number("direction of the tilt", "deg", default=0.0, ge=-360, le=360)
+    ratio_of_roll: float | None = optional("work over cradle rotation; left out for Formate", "1", gt=0, lt=100)
+    modified_roll_2c: float = number("second order", "1", default=0.0, gt=-10, lt=10)
+    modified_roll_6d: float = number("third order", "1", default=0.0, gt=-100, lt=100)
+    modified_roll_24e: float = number("fourth order", "1", default=0.0, gt=-1000, lt=1000)
+    modified_roll_120f: float = number("fifth order", "1", default=0.0, gt=-1e4, lt=1e4)
+    modified_roll_720g: float = number("sixth order", "1", default=0.0, gt=-1e5, lt=1e5)
     motions: Motions = Motions()
 
     def _check(self) -> None:

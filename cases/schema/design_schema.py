@@ -11,7 +11,7 @@ from ...geometry.design.pinion_method import PinionMethod
 from .blank_design_table import BlankDesignTable
 from .case_schema import ComplianceTable, ContactTable, HandOfSpiral, MisalignmentTable, PairTable, Steel, TargetTable
 from .friction_table import FrictionTable
-from .schema_table import Description, InputFile, Integer, Number, Table, Title, key, number, optional
+from .schema_table import Description, InputFile, Table, Title, key, number, optional
 
 EDGE_RADIUS = (
     "edge radius of its cutters' blades, which cuts the fillet; a quarter of the mean normal module, less where "
@@ -22,7 +22,7 @@ EDGE_RADIUS = (
 class DesignedGear(Table):
     """The gear, cut by one spread-blade cutter or hobbed."""
 
-    number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
+    number_of_teeth: int = number("number of teeth", "1", ge=3, le=500)
     generation: Literal["formate", "generated"] = key(
         "whether the gear is rolled while it is cut, or only indexed", default="formate"
     )
@@ -31,45 +31,45 @@ class DesignedGear(Table):
         "follow from the root line by the closed form",
         default="mean_point",
     )
-    tool_edge_radius: Number | None = optional(EDGE_RADIUS, "mm", gt=0, lt=20)
+    tool_edge_radius: float | None = optional(EDGE_RADIUS, "mm", gt=0, lt=20)
     material: Steel = Steel()
 
 
 class LimitsTable(Table):
     """Limits of the settings of a pinion that is cut by a method of the shop; zero takes a setting out of use."""
 
-    cutter_tilt: Number = number("largest tilt of the cutter axis", "deg", default=30.0, ge=0, le=60)
-    cutter_swivel: Number = number("largest swivel to either side", "deg", default=180.0, gt=0, le=180)
-    machine_root_angle: Number = number(
+    cutter_tilt: float = number("largest tilt of the cutter axis", "deg", default=30.0, ge=0, le=60)
+    cutter_swivel: float = number("largest swivel to either side", "deg", default=180.0, gt=0, le=180)
+    machine_root_angle: float = number(
         "with tilt: largest difference of machine root angle and root angle of the blank",
         "deg",
         default=30.0,
         ge=0,
         le=60,
     )
-    sliding_base: Number | None = optional(
+    sliding_base: float | None = optional(
         "with tilt: largest sliding base; half the cutter radius if left out", "mm", gt=0, lt=1000
     )
-    modified_roll_2c: Number = number("largest second-order modified roll, 2C", "1", default=0.5, ge=0, lt=10)
-    modified_roll_6d: Number = number("largest third-order modified roll, 6D", "1", default=1.0, ge=0, lt=100)
-    modified_roll_24e: Number = number("largest fourth-order modified roll, 24E", "1", default=0.0, ge=0, lt=1000)
-    modified_roll_120f: Number = number("largest fifth-order modified roll, 120F", "1", default=0.0, ge=0, lt=1e4)
-    helical_motion: Number | None = optional(
+    modified_roll_2c: float = number("largest second-order modified roll, 2C", "1", default=0.5, ge=0, lt=10)
+    modified_roll_6d: float = number("largest third-order modified roll, 6D", "1", default=1.0, ge=0, lt=100)
+    modified_roll_24e: float = number("largest fourth-order modified roll, 24E", "1", default=0.0, ge=0, lt=1000)
+    modified_roll_120f: float = number("largest fifth-order modified roll, 120F", "1", default=0.0, ge=0, lt=1e4)
+    helical_motion: float | None = optional(
         "completing: largest first derivative of the sliding base by the cradle rotation; half the cutter radius if "
         "left out",
         "mm/rad",
         ge=0,
         lt=1000,
     )
-    blade_point_radius: Number = number(
+    blade_point_radius: float = number(
         "largest difference of the radius of the blade tip and the mean cutter radius, over the latter",
         "1",
         default=0.2,
         gt=0,
         lt=0.9,
     )
-    smallest_blade_pressure_angle: Number = number("smallest blade angle", "deg", default=5.0, ge=0, lt=45)
-    largest_blade_pressure_angle: Number = number("largest blade angle", "deg", default=40.0, gt=0, lt=60)
+    smallest_blade_pressure_angle: float = number("smallest blade angle", "deg", default=5.0, ge=0, lt=45)
+    largest_blade_pressure_angle: float = number("largest blade angle", "deg", default=40.0, gt=0, lt=60)
 
     def _check(self) -> None:
         low, high = self.smallest_blade_pressure_angle, self.largest_blade_pressure_angle
@@ -82,9 +82,9 @@ class LimitsTable(Table):
 class DesignedPinion(Table):
     """The generated pinion."""
 
-    number_of_teeth: Integer = number("number of teeth", "1", ge=3, le=500)
+    number_of_teeth: int = number("number of teeth", "1", ge=3, le=500)
     hand_of_spiral: HandOfSpiral
-    tool_edge_radius: Number | None = optional(EDGE_RADIUS, "mm", gt=0, lt=20)
+    tool_edge_radius: float | None = optional(EDGE_RADIUS, "mm", gt=0, lt=20)
     method: PinionMethod = key(
         "how the pinion is cut, see [methods](design_file.md#methods-of-the-pinion)", default="closest_fit"
     )
@@ -121,11 +121,11 @@ class DesignedPinion(Table):
 class CutterStepsTable(Table):
     """Standard steps of the cutters, taken before the machine settings are fitted; zero leaves a value as computed."""
 
-    blade_angle: Number = number("step of the blade angles", "deg", default=0.5, ge=0, le=5)
-    point_width: Number = number(
+    blade_angle: float = number("step of the blade angles", "deg", default=0.5, ge=0, le=5)
+    point_width: float = number(
         "face-milled: step of the point widths; the radius of a blade tip has half of it", "mm", default=0.1, ge=0, le=2
     )
-    edge_radius: Number = number(
+    edge_radius: float = number(
         "step of an edge radius that is not given, rounded down", "mm", default=0.05, ge=0, le=1
     )
 
@@ -133,14 +133,14 @@ class CutterStepsTable(Table):
 class ResolutionTable(Table):
     """Resolution of the machine and the tool room, to which `easeoff design --round` rounds."""
 
-    length: Number = number("linear settings of the machine", "mm", default=0.001, gt=0, lt=10)
-    angle: Number = number("angular settings of the machine", "deg", default=0.001, gt=0, lt=10)
-    roll: Number = number("ratio of roll", "1", default=1e-6, gt=0, lt=10)
-    modified_roll: Number = number("coefficients of the modified roll", "1", default=1e-5, gt=0, lt=10)
-    motion: Number = number("derivatives of moving settings", "mm/rad or deg/rad", default=0.001, gt=0, lt=10)
-    blade_radius: Number = number("radius of a blade tip", "mm", default=0.01, gt=0, lt=10)
-    blade_angle: Number = number("angles of a blade", "deg", default=0.01, gt=0, lt=10)
-    edge_radius: Number = number("edge radius of a blade", "mm", default=0.01, gt=0, lt=10)
+    length: float = number("linear settings of the machine", "mm", default=0.001, gt=0, lt=10)
+    angle: float = number("angular settings of the machine", "deg", default=0.001, gt=0, lt=10)
+    roll: float = number("ratio of roll", "1", default=1e-6, gt=0, lt=10)
+    modified_roll: float = number("coefficients of the modified roll", "1", default=1e-5, gt=0, lt=10)
+    motion: float = number("derivatives of moving settings", "mm/rad or deg/rad", default=0.001, gt=0, lt=10)
+    blade_radius: float = number("radius of a blade tip", "mm", default=0.01, gt=0, lt=10)
+    blade_angle: float = number("angles of a blade", "deg", default=0.01, gt=0, lt=10)
+    edge_radius: float = number("edge radius of a blade", "mm", default=0.01, gt=0, lt=10)
 
 
 class DesignTargets(Table):

@@ -38,6 +38,11 @@ SIGNS = {"Gt": ">", "Ge": "≥", "Lt": "<", "Le": "≤"}
 LENGTHS = {"MinLen": "min_length", "MaxLen": "max_length"}
 
 
+def sub_table(annotation: Any) -> bool:
+    """True if a key opens a table of its own, or a list of them."""
+    return inner_table(annotation, listed=True) is not None
+
+
 def described(field: FieldInfo) -> tuple[str, str]:
     """Meaning and unit of a key."""
     unit = extra_of(field, "unit")
@@ -141,8 +146,7 @@ class _Writer:
                 continue
             key = f"{name} = {toml_value(value)}" if given else f"#{name} = {default_value(field)}".rstrip()
             lines += with_comment(key, "" if known is not None else meaning(name, field))
-        tables = [inner_table(field.annotation, listed=True) for field in model.model_fields.values()]
-        if known is not None and (lines or None in tables):
+        if known is not None and (lines or not all(sub_table(one.annotation) for one in model.model_fields.values())):
             lines.append(f"# further keys as in [{known}]")
         return lines
 

@@ -13,7 +13,7 @@ from ...core.checks import is_number
 from ...core.errors import InputError, printable, shortened
 from ...core.regular_file import leads_outside
 from ..mistakes import written
-from .schema_table import Number, Table, key, number, optional
+from .schema_table import Table, key, number, optional
 
 if TYPE_CHECKING:
     from ...friction import FrictionModel, Operation
@@ -59,12 +59,11 @@ def _coefficient(value: Any) -> Any:
     raise ValueError(f"{written(value)}: must be one of {models}, or a number from 0 to {COEFFICIENT_LIMIT:g}")
 
 
-Numbers = Annotated[tuple[Number, ...], BeforeValidator(_listed), Field(strict=False, min_length=1, max_length=1000)]
-Roughness = Number | Annotated[tuple[Number, Number], Field(strict=False)]
-ByMember = Annotated[Number | Annotated[tuple[Number, Number], Field(strict=False)], BeforeValidator(_pair)]
-Roughnesses = Annotated[
-    tuple[Roughness, ...], BeforeValidator(_roughnesses), Field(strict=False, min_length=1, max_length=1000)
-]
+SEVERAL = Field(strict=False, min_length=1, max_length=1000)
+Numbers = Annotated[tuple[float, ...], BeforeValidator(_listed), SEVERAL]
+OneOrPair = float | Annotated[tuple[float, float], Field(strict=False)]
+ByMember = Annotated[OneOrPair, BeforeValidator(_pair)]
+Roughnesses = Annotated[tuple[OneOrPair, ...], BeforeValidator(_roughnesses), SEVERAL]
 
 
 class FrictionTable(Table):
@@ -94,7 +93,7 @@ class FrictionTable(Table):
     out_of_range: Literal["error", "clamp"] = key(
         "temperature without oil data: an error, or the end of the data with a flag", default="error"
     )
-    bulk_temperature: Number | None = optional(
+    bulk_temperature: float | None = optional(
         "of the teeth; that of the oil if left out", "degC", allowed="> -273.15, ≤ 1000"
     )
     tooth_conductivity: ByMember = number(
@@ -146,26 +145,21 @@ class FrictionTable(Table):
 
         return not is_shipped(self.oil) and leads_outside(self._folder or "", self.oil)
 
-    @property
-    def _quoted_oil(self) -> str:
-        return printable(shortened(repr(self.oil)))
-
     def _require_inside(self) -> None:
         """Refuse an oil of a file that may be anybody's, and say nothing of the place it names."""
         from ...friction.lubricants.lubricant import is_shipped
 
         if self._allow_outside is not False or is_shipped(self.oil):
             return
+        quoted = printable(shortened(repr(self.oil)))
         if self.is_outside:
             start = "the working folder" if self._folder is None else "the folder of the case"
             raise InputError(
-                f"oil = {self._quoted_oil}: must be the name of a lubricant, or a file inside {start}; if you trust "
-                "the case, --allow-outside (in Python allow_outside=True) opens files elsewhere"
+                f"oil = {quoted}: must be the name of a lubricant, or a file inside {start}; if you trust the case, "
+                "--allow-outside (in Python allow_outside=True) opens files elsewhere"
             )
         if Path(self.oil).suffix.lower() != ".toml" and os.path.exists(self.oil_file):
-            raise InputError(
-                f"oil = {self._quoted_oil}: must be the name of a lubricant, or of a file that ends in .toml"
-            )
+            raise InputError(f"oil = {quoted}: must be the name of a lubricant, or of a file that ends in .toml")
 
     @property
     def oil_file(self) -> Path:

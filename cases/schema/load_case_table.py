@@ -10,7 +10,7 @@ from pydantic import AfterValidator, BeforeValidator, Field, field_validator
 from pydantic_core import PydanticCustomError
 
 from ..mistakes import written
-from .schema_table import Number, Table, key, number, optional
+from .schema_table import Table, key, number, optional
 from .usual_torques import TORQUE_LIMIT, TORQUE_MINIMUM
 
 LOAD_CASE_COUNT_LIMIT = 1000
@@ -46,13 +46,13 @@ class LoadCase(Table):
     """
 
     name: Name | None = key("in results; its number, from 1, if left out", allowed=NAME_ALLOWED, default=None)
-    torque: Number = number("at the pinion", "N m", ge=TORQUE_MINIMUM, lt=TORQUE_LIMIT)
-    E: Number | None = optional("increase of the offset; that of `[misalignment]` if left out", "mm", gt=-10, lt=10)
-    P: Number | None = optional("pinion away from the crossing point; likewise", "mm", gt=-10, lt=10)
-    G: Number | None = optional("gear away from the crossing point; likewise", "mm", gt=-10, lt=10)
-    Sigma: Number | None = optional("increase of the shaft angle; likewise", "deg", gt=-5, lt=5)
-    speed: Number | None = optional("adds friction; that of `[friction]` if left out", "1/min", ge=1e-6, le=1e6)
-    share: Number | None = optional("of time, relative to the sum; of every load case or of none", "1", gt=0, le=1e12)
+    torque: float = number("at the pinion", "N m", ge=TORQUE_MINIMUM, lt=TORQUE_LIMIT)
+    E: float | None = optional("increase of the offset; that of `[misalignment]` if left out", "mm", gt=-10, lt=10)
+    P: float | None = optional("pinion away from the crossing point; likewise", "mm", gt=-10, lt=10)
+    G: float | None = optional("gear away from the crossing point; likewise", "mm", gt=-10, lt=10)
+    Sigma: float | None = optional("increase of the shaft angle; likewise", "deg", gt=-5, lt=5)
+    speed: float | None = optional("adds friction; that of `[friction]` if left out", "1/min", ge=1e-6, le=1e6)
+    share: float | None = optional("of time, relative to the sum; of every load case or of none", "1", gt=0, le=1e12)
     flank: Literal["drive", "coast"] | None = key("in mesh; that of the analysis if left out", default=None)
 
     @field_validator("torque", mode="before")

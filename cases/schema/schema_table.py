@@ -36,7 +36,10 @@ class _Checked(ModelMetaclass):
 
 
 class Table(BaseModel, metaclass=_Checked):
-    """A table of a case file: frozen, no unknown keys, no NaN, no text or truth value for a number."""
+    """A table of a case file: frozen, no unknown keys, no NaN, no text or truth value for a number.
+
+    A whole number of TOML is a number, too.
+    """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True, defer_build=True)
 
@@ -127,8 +130,3 @@ def in_radians(table: Table) -> dict[str, Any]:
     """Values of a table by key, those in degrees in rad."""
     angles = angle_keys(type(table))
     return {name: math.radians(value) if name in angles and value is not None else value for name, value in table}
-
-
-# A whole number of TOML is a number too; true, false and text are none.
-Number = float
-Integer = int

@@ -11,7 +11,7 @@ from pydantic import BeforeValidator, Field
 from ...core.checks import is_number
 from ..mistakes import written
 from .load_case_table import NAME_ALLOWED, Name
-from .schema_table import Description, InputFile, Number, Table, Title, key, number, optional
+from .schema_table import Description, InputFile, Table, Title, key, number, optional
 
 STIFFNESS_LIMIT = 1e9  # of a bearing [N/mm]
 TILTING_STIFFNESS_LIMIT = 1e13  # of a bearing [N mm/rad]
@@ -23,12 +23,12 @@ TILTING_STIFFNESS = f"0 to {TILTING_STIFFNESS_LIMIT:g}, or {PAIRS}"
 MATRIX = "symmetric, [positive definite](../guides/supports.md)"
 PLACE = "three within ±5000"
 
-Coordinate = Annotated[Number, Field(gt=-5000, lt=5000)]
+Coordinate = Annotated[float, Field(gt=-5000, lt=5000)]
 Point = Annotated[tuple[Coordinate, Coordinate, Coordinate], Field(strict=False)]
 
 
 def _matrix(rows: int) -> Any:
-    row = Annotated[tuple[Number, ...], Field(strict=False, min_length=rows, max_length=rows)]
+    row = Annotated[tuple[float, ...], Field(strict=False, min_length=rows, max_length=rows)]
     return Annotated[tuple[row, ...], Field(strict=False, min_length=rows, max_length=rows)]
 
 
@@ -62,7 +62,7 @@ def _is_list(value: Any) -> bool:
     return isinstance(value, list | tuple)
 
 
-Pair = tuple[Number, Number]
+Pair = tuple[float, float]
 Curve = Annotated[tuple[Pair, ...], BeforeValidator(_pairs), Field(strict=False)]
 BearingStiffness = Annotated[float | tuple[Pair, ...], BeforeValidator(_stiffness)]
 
@@ -70,33 +70,31 @@ BearingStiffness = Annotated[float | tuple[Pair, ...], BeforeValidator(_stiffnes
 class ShaftSectionTable(Table):
     """A cylindrical section of a shaft."""
 
-    start: Number = number("where it begins on the member's axis", "mm", gt=-5000, lt=5000)
-    end: Number = number("where the next section begins", "mm", gt=-5000, lt=5000)
-    outer_diameter: Number = number("outer diameter", "mm", ge=1, le=2000)
-    inner_diameter: Number = number("at most 99 % of the outer one", "mm", default=0.0, ge=0, lt=2000)
+    start: float = number("where it begins on the member's axis", "mm", gt=-5000, lt=5000)
+    end: float = number("where the next section begins", "mm", gt=-5000, lt=5000)
+    outer_diameter: float = number("outer diameter", "mm", ge=1, le=2000)
+    inner_diameter: float = number("at most 99 % of the outer one", "mm", default=0.0, ge=0, lt=2000)
 
 
 class ShaftTable(Table):
     """The shaft of a member. Places are on the member's axis, from its crossing point, positive towards the heel."""
 
     sections: Annotated[tuple[ShaftSectionTable, ...], Field(strict=False, min_length=1, max_length=200)]
-    seat: Number | None = optional(
+    seat: float | None = optional(
         "where the member is fixed; the middle of the face if left out", "mm", gt=-5000, lt=5000
     )
-    torque_position: Number | None = optional(
+    torque_position: float | None = optional(
         "where the torque enters, for `wind_up`; pinion only", "mm", gt=-5000, lt=5000
     )
-    elastic_modulus: Number = number("Young's modulus", "MPa", default=206000.0, gt=500, lt=1e6)
-    poisson_ratio: Number = number("Poisson's ratio", "1", default=0.3, ge=0, lt=0.5)
+    elastic_modulus: float = number("Young's modulus", "MPa", default=206000.0, gt=500, lt=1e6)
+    poisson_ratio: float = number("Poisson's ratio", "1", default=0.3, ge=0, lt=0.5)
 
 
 class BearingTable(Table):
     """A bearing. Each stiffness is a number, or a curve of loads and stiffness, or one of loads and displacement."""
 
     name: Name = number("in results", "1", allowed=NAME_ALLOWED)
-    position: Number = number(
-        "on the member's axis; of a taper roller bearing its load centre", "mm", gt=-5000, lt=5000
-    )
+    position: float = number("on the member's axis; of a taper roller bearing its load centre", "mm", gt=-5000, lt=5000)
     radial_stiffness: BearingStiffness | None = optional(
         "number, or pairs of load [N] and load over displacement", "N/mm", allowed=STIFFNESS
     )

@@ -21,7 +21,7 @@ from easeoff.cases import LoadCase
 from easeoff.cases.schema import case_schema as model, cutting_table, design_schema as design_model
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.case_schema import DeflectionRow, MisalignmentTable
-from easeoff.cases.schema.file_templates import allowed, described, sub_table, written
+from easeoff.cases.schema.file_templates import allowed, described, sub_table, toml_value
 from easeoff.cases.schema.friction_table import FrictionTable
 from easeoff.cases.schema.supports_table import (
     BearingTable,
@@ -112,10 +112,10 @@ def default(field: FieldInfo) -> str:
     if field.default is None or (field.default == () and any(isinstance(limit, MinLen) for limit in field.metadata)):
         return ""
     if isinstance(field.default, tuple) and len(field.default) == 1:
-        return written(field.default[0])
+        return f"`{toml_value(field.default[0])}`"
     if isinstance(field.default, tuple):
         return f"`{list(field.default)}`"
-    return written(field.default)
+    return f"`{toml_value(field.default)}`"
 
 
 def main() -> None:
