@@ -97,7 +97,7 @@ def sections(case: Case) -> tuple[BlankSection, BlankSection]:
     """Axial sections of pinion and gear, from their blanks or from the basic data of the pair."""
     if case.blank_design is not None:
         blanks = designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
-        from ..geometry.design.basic_settings import blank_section
+        from ..geometry.design.blank import blank_section
 
         return blank_section(blanks.pinion, blanks.clearance), blank_section(blanks.gear, blanks.clearance)
     assert case.pinion.blank is not None  # the schema sees to it

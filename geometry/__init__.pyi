@@ -3,7 +3,6 @@ from .cutting.generating_surface import GeneratingSurface as GeneratingSurface, 
 from .cutting.machine import MachineSettings as MachineSettings
 from .cutting.named_settings import MachineResolution as MachineResolution, usual_settings as usual_settings
 from .design.basic_settings import (
-    blank_section as blank_section,
     conjugate_pinion as conjugate_pinion,
     formate_gear as formate_gear,
 )
@@ -11,6 +10,7 @@ from .design.blank import (
     BlankDesign as BlankDesign,
     BlankDimensions as BlankDimensions,
     blank_dimensions as blank_dimensions,
+    blank_section as blank_section,
 )
 from .design.synthesis import EaseOffTarget as EaseOffTarget, Synthesis as Synthesis, fit_pinion as fit_pinion
 from .deviation.corrective_settings import Correction as Correction, corrective_settings as corrective_settings

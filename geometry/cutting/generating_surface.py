@@ -179,6 +179,10 @@ class GeneratingSurface:
         """The surface that another section of the same blade cuts."""
         return self if part == self.part else replace(self, part=part)
 
+    def rounded(self, radius: float) -> GeneratingSurface:
+        """The same flank with another edge radius of its blade [mm]."""
+        return replace(self, blade=replace(self.blade, edge_radius=radius))
+
     @property
     def designed(self) -> GeneratingSurface:
         """The surface without deviation."""
@@ -316,6 +320,7 @@ class GeneratingSurface:
         return SurfacePoints.of(self, parameters).orientation
 
 
+Flanks = tuple[GeneratingSurface, GeneratingSurface]  # convex and concave of a gear
 Locate = Callable[["SurfacePoints"], tuple[Array, Array]]
 LINEAR_STEP = 1e-11  # of the longest step; along so short a one a point and its tangents are followed linearly
 

@@ -22,38 +22,19 @@ from typing import get_args
 
 import numpy as np
 
-from ...core.arrays import Array, shared_fields
+from ...core.arrays import Array
 from ...core.checks import instance, number, one_of, positive, truth, whole
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
-from ..cutting.generating_surface import GeneratingSurface, Hand
+from ..cutting.generating_surface import Flanks, GeneratingSurface, Hand
 from ..cutting.machine import MachineSettings, machine_pose
-from ..flanks.blank_section import BlankSection
 from ..pair.assembly import Assembly
 from ..vectors import rotate_z
-from .blank import BlankDimensions, MeanPointAngles, mean_point_angles
-from .closest_fit import StandardSteps
-from .iso23509.blank_dimensions import MemberBlank
+from .blank import BlankDimensions, MeanPointAngles, blank_section, mean_point_angles
+from .closest_fit import NO_STEPS, StandardSteps
 
-Flanks = tuple[GeneratingSurface, GeneratingSurface]
-NO_STEPS = StandardSteps()
 GROUP_COUNT_LIMIT = 100  # of a face-hobbing cutter
 ANGLE_TOLERANCE = 1e-11  # residual of the corrected flanks [rad]
-
-
-def blank_section(member: MemberBlank, clearance: float) -> BlankSection:
-    """Axial section of one member of a blank; the flank ends at the clearance above the root cone.
-
-    Examples
-    --------
-    >>> from easeoff.cases import designed_blanks, read_design
-    >>> design = read_design("fm-11x41")
-    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
-    >>> blank_section(blanks.gear, blanks.clearance).face_width == blanks.gear.face_width
-    True
-    """
-    instance("member", member, MemberBlank)
-    return BlankSection(**shared_fields(BlankSection, member), clearance=clearance)
 
 
 def formate_gear(

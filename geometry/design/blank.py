@@ -173,6 +173,21 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
     )
 
 
+def blank_section(member: MemberBlank, clearance: float) -> BlankSection:
+    """Axial section of one member of a blank; the flank ends at the clearance above the root cone.
+
+    Examples
+    --------
+    >>> from easeoff.cases import designed_blanks, read_design
+    >>> design = read_design("fm-11x41")
+    >>> blanks = designed_blanks(design.blank_design, (11, 41), design.pair)
+    >>> blank_section(blanks.gear, blanks.clearance).face_width == blanks.gear.face_width
+    True
+    """
+    instance("member", member, MemberBlank)
+    return BlankSection(**shared_fields(BlankSection, member), clearance=clearance)
+
+
 def _mean_point(design: BlankDesign, cones: PitchCones) -> _MeanPoint:
     distance, gear_angle = cones.gear_mean_cone_distance, cones.gear_pitch_angle
     teeth = design.number_of_teeth[1]

@@ -108,6 +108,9 @@ class StandardSteps:
         return settings
 
 
+NO_STEPS = StandardSteps()
+
+
 def _nearest(value: float, step: float, low: float = -math.inf, high: float = math.inf) -> float:
     count = step_count(value, step, low, high) if step else None
     return value if count is None else count * step

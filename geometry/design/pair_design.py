@@ -8,36 +8,17 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from ...core.errors import GeometryError
-from ..cutting.generating_surface import GeneratingSurface
+from ..cutting.generating_surface import Flanks, GeneratingSurface
 from ..pair.assembly import Assembly
 from ..pair.gear_pair import FlankName, GearPair, Member, left_by_cutter, thickness_per_angle
 from ..pair.tooth_thickness import filling_thickness, mid_flank_thickness
 from ..tooth.tooth_flanks import MemberName
-from .basic_settings import (
-    NO_STEPS,
-    Flanks,
-    blank_section,
-    conjugate_pinion,
-    crown_gear_pinion,
-    formate_gear,
-    generated_gear,
-    pitch_point_azimuth,
-)
-from .blank import BlankDesign, BlankDimensions, blank_dimensions
-from .closest_fit import BLANK_ADVICE, StandardSteps, best_fit, require_usable
+from .basic_settings import conjugate_pinion, crown_gear_pinion, formate_gear, generated_gear, pitch_point_azimuth
+from .blank import BlankDesign, BlankDimensions, blank_dimensions, blank_section
+from .closest_fit import BLANK_ADVICE, NO_STEPS, StandardSteps, best_fit, require_usable
 from .pinion_method import ADVICE, PinionMethod, SettingLimits
 from .set_up_fit import along_the_root, best_set_up
-from .slot_width import (
-    EdgeRadiusLimits,
-    SlotWidths,
-    ToothCheck,
-    ToothLine,
-    allowed_edge_radius,
-    fitting_edge_radius,
-    require_whole_tooth,
-    rounded,
-    usual_edge_radii,
-)
+from .slot_width import ToothCheck, allowed_edge_radius, fitting_edge_radius, require_whole_tooth, usual_edge_radii
 from .synthesis import EaseOffTarget, Synthesis
 from .tooth_proportions import ToothProportions
 
@@ -90,7 +71,7 @@ def design_pair(
     blank = blank_dimensions(design)
     groups, steps = design.number_of_blade_groups or 0, steps.of_module(blank.mean_normal_module)
     proportions = ToothProportions.of(blank, design.cutter_radius, groups, generated_gear=generated)
-    usual = usual_edge_radii(blank, EdgeRadiusLimits(SlotWidths(ToothLine(proportions))))
+    usual = usual_edge_radii(proportions)
     pinion_edge, gear_edge = (
         steps.edge(usual_radius) if radius is None else radius
         for radius, usual_radius in zip(edge_radii, usual, strict=True)
@@ -98,7 +79,7 @@ def design_pair(
 
     def flanks(make: Callable[..., Flanks]) -> Flanks:
         plain = make(blank, design.cutter_radius, assembly.gear_hand, groups, corrected=corrected, steps=steps)
-        return rounded(plain[0], gear_edge), rounded(plain[1], gear_edge)
+        return plain[0].rounded(gear_edge), plain[1].rounded(gear_edge)
 
     gear = flanks(generated_gear if generated else formate_gear)
     formate = flanks(formate_gear) if generated else gear
@@ -110,7 +91,7 @@ def design_pair(
 
     def start(make: Callable[[int], GeneratingSurface]) -> dict[FlankName, GearPair]:
         """The pair with the pinion flanks to start a fit from, on both sides."""
-        members = [Member(assembly.pinion_teeth, sections[0], rounded(make(k), pinion_edge)) for k in (0, 1)]
+        members = [Member(assembly.pinion_teeth, sections[0], make(k).rounded(pinion_edge)) for k in (0, 1)]
         return {s: GearPair(*each, assembly) for s, each in zip(SIDES, zip(members, wheels, strict=True), strict=True)}
 
     def conjugate() -> dict[FlankName, GearPair]:
@@ -167,11 +148,9 @@ def _with_fitting_edges(designed: PairDesign, name: MemberName, check: ToothChec
     usual = allowed_edge_radius(pair, name, flank.blade.edge_radius)
     radius = fitting_edge_radius(pair, name, usual, check, steps)
     if name == "gear":
-        return replace(designed, gear=(rounded(designed.gear[0], radius), rounded(designed.gear[1], radius)))
-    return replace(
-        designed,
-        pinion={side: replace(fit, surface=rounded(fit.surface, radius)) for side, fit in designed.pinion.items()},
-    )
+        return replace(designed, gear=(designed.gear[0].rounded(radius), designed.gear[1].rounded(radius)))
+    pinion = {side: replace(fit, surface=fit.surface.rounded(radius)) for side, fit in designed.pinion.items()}
+    return replace(designed, pinion=pinion)
 
 
 def _thickness_in_slot(blank: BlankDimensions, pair: GearPair) -> float:

@@ -19,11 +19,9 @@ import numpy as np
 
 from ...core.arrays import Array, record
 from ...core.errors import GeometryError
-from ..cutting.generating_surface import GeneratingSurface
 from ..pair.gear_pair import MEMBERS, GearPair
 from ..tooth.tooth_flanks import MemberName
 from ..tooth.tooth_surface import tooth_surface
-from .blank import BlankDimensions
 from .closest_fit import StandardSteps
 from .iso23509.pitch_cones import CrownGear, crown_gear
 from .tooth_proportions import ToothProportions, measured_proportions
@@ -436,13 +434,14 @@ REDUCTIONS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # of the usual radius, until the t
 WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES = (9, 7), 25
 
 
-def usual_edge_radii(blank: BlankDimensions, limits: EdgeRadiusLimits) -> tuple[float, float]:
+def usual_edge_radii(proportions: ToothProportions) -> tuple[float, float]:
     """Edge radii of the blades of pinion and gear [mm]: ISO 53:1998, profile C, within AGMA 929-B22.
 
     That is a quarter of the mean normal module, less where a fillet would meet the mate's tip, the blade could not be
     made, or one would cut into the other's fillet.
     """
-    least, usual = (share * blank.mean_normal_module for share in (SMALLEST_SHARE, BASIC_RACK_RADIUS))
+    limits = EdgeRadiusLimits(SlotWidths(ToothLine(proportions)))
+    least, usual = (share * proportions.mean_normal_module for share in (SMALLEST_SHARE, BASIC_RACK_RADIUS))
     pinion, gear = (max(least, min(usual, float(np.nan_to_num(limit)))) for limit in limits.largest)
     return round(pinion, 4), round(gear, 4)
 
@@ -477,11 +476,6 @@ def fitting_edge_radius(
 def _rounded(pair: GearPair, name: str, radius: float) -> GearPair:
     """The pair with an edge radius on both blades of one member."""
     member = pair.pinion if name == "pinion" else pair.gear
-    opposite = None if member.opposite is None else rounded(member.opposite, radius)
-    changed = replace(member, loaded=rounded(member.loaded, radius), opposite=opposite)
+    opposite = None if member.opposite is None else member.opposite.rounded(radius)
+    changed = replace(member, loaded=member.loaded.rounded(radius), opposite=opposite)
     return replace(pair, pinion=changed) if name == "pinion" else replace(pair, gear=changed)
-
-
-def rounded(surface: GeneratingSurface, edge_radius: float) -> GeneratingSurface:
-    """The same flank with another edge radius of its blade [mm]."""
-    return replace(surface, blade=replace(surface.blade, edge_radius=edge_radius))

@@ -11,7 +11,7 @@ labelled dataset.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
 
@@ -415,7 +415,7 @@ def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
     points, beside = np.full((3, *places.shape), np.nan), np.zeros(places.shape[1])
     for number in range(places.shape[1]):
         for radius, nodes in ((0.0, 2), (blade.edge_radius, FILLET_NODES)):
-            surface = replace(side.surface, blade=replace(blade, edge_radius=radius))
+            surface = side.surface.rounded(radius)
             try:
                 tip_side = tooth_side(surface, side.section, tuple(places[:, number].tolist()), SIDE_NODES, nodes)
             except GeometryError:

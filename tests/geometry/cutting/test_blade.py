@@ -406,7 +406,7 @@ def test_tip_gap_is_the_deepest_point_of_the_sweep(name: str, side: Any) -> None
     assert tip_gap(pinion.loaded, pinion.section) == pytest.approx(swept, abs=0.02)
 
 
-def with_edge_radius(pair: GearPair, radius: float) -> GearPair:
+def rounded(pair: GearPair, radius: float) -> GearPair:
     pinion = pair.pinion
     blade = replace(pinion.loaded.blade, edge_radius=radius)
     return replace(pair, pinion=replace(pinion, loaded=replace(pinion.loaded, blade=blade)))
@@ -415,7 +415,7 @@ def with_edge_radius(pair: GearPair, radius: float) -> GearPair:
 def test_a_fillet_that_grows_takes_the_flank_from_the_mates_tip() -> None:
     """The pinion's tip still meets the whole gear, whose blade is as it was."""
     pair = gear_pair(read_case("fm-11x41"))
-    shares = [unmet_tips(with_edge_radius(pair, radius)) for radius in (0.3, 2.0, 4.0)]
+    shares = [unmet_tips(rounded(pair, radius)) for radius in (0.3, 2.0, 4.0)]
     of_pinion, of_gear = zip(*shares, strict=True)
     assert of_pinion == (0.0, 0.0, 0.0)
     assert of_gear[0] == 0.0 <= of_gear[1] <= of_gear[2] == 1.0

@@ -20,7 +20,7 @@ from easeoff import GeometryError, InputError
 from easeoff.cases import designed_blanks, gear_pair, read_case, read_design
 from easeoff.geometry import BlankDesign, GearPair, Member, blank_dimensions
 from easeoff.geometry.cutting.generating_surface import GeneratingSurface
-from easeoff.geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands, rounded
+from easeoff.geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
 from easeoff.geometry.design.tooth_proportions import ToothProportions, measured_proportions
 from easeoff.geometry.pair.gear_pair import thickness_per_angle, tooth_angles
 from easeoff.geometry.pair.tooth_thickness import filling_thickness
@@ -271,7 +271,7 @@ def test_slot_of_blades_whose_corner_cuts_no_whole_flank_is_that_of_their_edge_r
     """To a tenth of the edge radius; on an upright machine the tip plane holds corner and deepest point alike."""
     pair = gear_pair(read_case("nasa-12x36"))
     pinion, gear = (
-        replace(each, loaded=rounded(each.loaded, 0.6), opposite=rounded(each.from_opposite.loaded, 0.6))
+        replace(each, loaded=each.loaded.rounded(0.6), opposite=each.from_opposite.loaded.rounded(0.6))
         for each in (pair.pinion, pair.gear)
     )
     pair = replace(pair, pinion=pinion, gear=gear)

@@ -260,7 +260,7 @@ def test_edge_radius_is_that_of_the_basic_rack_up_to_the_limit_of_agma_929() -> 
         blank = blank_dimensions(design)
         proportions = ToothProportions.of(blank, design.cutter_radius, generated_gear=False)
         limits = EdgeRadiusLimits(SlotWidths(ToothLine(proportions)))
-        pinion, _ = usual_edge_radii(blank, limits)
+        pinion, _ = usual_edge_radii(proportions)
         wanted = limits.largest[0] if limited else 0.25 * blank.mean_normal_module
         assert pinion == pytest.approx(wanted, abs=1e-4)
         assert limits.governing[0] == ("interference" if limited else "manufacture")
