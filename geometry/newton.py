@@ -119,8 +119,7 @@ def solve_by(
     limit = np.asarray(max_step)[:, None]
     with np.errstate(all="ignore"):
         for _ in range(iterations):
-            columns = parameters[:, active]
-            value, (first, second) = derivatives(columns, numbers)
+            value, (first, second) = derivatives(parameters[:, active], numbers)
             residual = target[:, active] - value
             step = cramers_rule(first, second, residual)
             usable = np.all(np.isfinite(step), axis=0)

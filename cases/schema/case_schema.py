@@ -415,9 +415,7 @@ class Case(InputFile):
     def flanks(self) -> tuple[FlankName, ...]:
         """Flanks in mesh that both members have."""
         return tuple(
-            flank
-            for flank, (side, mate) in MATING_SIDES.items()
-            if side in self.pinion.sides and mate in self.gear.sides
+            each for each, (side, mate) in MATING_SIDES.items() if side in self.pinion.sides and mate in self.gear.sides
         )
 
     def _summary_rows(self) -> list[tuple[str, str]]:

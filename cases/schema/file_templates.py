@@ -328,8 +328,7 @@ def _usual(values: dict[str, Any]) -> dict[str, Any]:
 
 def _file(head: list[str], text: str) -> str:
     """A whole file: what it is, how to read it, and its keys."""
-    lines = [line for words in (*head, SWITCHED_OFF) for line in comment(words)]
-    return "\n".join([*lines, "", text])
+    return "\n".join([*(line for words in (*head, SWITCHED_OFF) for line in comment(words)), "", text])
 
 
 TEMPLATE_KINDS = {

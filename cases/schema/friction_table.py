@@ -185,5 +185,4 @@ class FrictionTable(Table):
         """The friction models, some of them changed."""
         from ...friction import FrictionModel
 
-        settings = self.model_dump(include=set(FrictionModel.__dataclass_fields__))
-        return FrictionModel(**(settings | changed))
+        return FrictionModel(**(self.model_dump(include=set(FrictionModel.__dataclass_fields__)) | changed))

@@ -120,8 +120,7 @@ class Arc:
         plane_normal = cross(cutting, rolling)
         value = dot(edge, plane_normal)
         changes = cross(cross(velocities[0][0], edge), rolling) + cross(cutting, cross(velocities[1][0], edge))
-        slope = self.radius * dot(edge, changes) - dot(inward, plane_normal)
-        return np.asarray(-value / slope)
+        return np.asarray(-value / (self.radius * dot(edge, changes) - dot(inward, plane_normal)))
 
 
 Hand = Literal["left", "right"]

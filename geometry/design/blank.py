@@ -250,8 +250,7 @@ def _constant_slot_width(design: BlankDesign, cones: PitchCones, mean: _MeanPoin
             f"cutter_radius = {design.cutter_radius:g} mm: too small for this depth_taper, must be at least "
             f"{distance * math.sin(spiral):g} mm"
         )
-    width = mean.gear_outer * math.tan(pressure.mean) * math.cos(spiral)
-    return math.pi / 2 * mean.outer_module / width * opening
+    return math.pi / 2 * mean.outer_module / (mean.gear_outer * math.tan(pressure.mean) * math.cos(spiral)) * opening
 
 
 def _normal_whole_depth(pinion: MemberBlank) -> float:
@@ -401,11 +400,9 @@ def mating_cone(
     if not abs(sine) < 1.0:
         raise GeometryError(f"hypoid_offset = {offset:g} mm: no pinion cone can follow the gear's face and root cones")
     turn = math.asin(sine) - tilt
-    angle = math.asin(
-        math.sin(excess) * math.sin(cone_angle) + math.cos(excess) * math.cos(cone_angle) * math.cos(turn)
-    )
+    own = math.asin(math.sin(excess) * math.sin(cone_angle) + math.cos(excess) * math.cos(cone_angle) * math.cos(turn))
     level = offset * math.sin(turn) * math.cos(cone_angle) - apex * math.sin(cone_angle)
-    return MatingCone(turn, angle, (level - clearance) / math.sin(angle))
+    return MatingCone(turn, own, (level - clearance) / math.sin(own))
 
 
 def width_in_pitch_plane(cones: PitchCones, inner: float, outer: float) -> float:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import Flanks, GeneratingSurface
@@ -115,8 +114,8 @@ def design_pair(
         require_usable(side, pinion[side].largest_residual, targets[side], ADVICE[method])
     thickness = _middle_thickness(blank, gear) if groups else None
     designed = PairDesign(blank, assembly, gear, pinion, thickness)
-    find = _left_thickness if method == "completing" and not groups else partial(_thickness_in_slot, blank)
-    designed = replace(designed, pinion_thickness=find(designed.pair()))
+    by_cutter = method == "completing" and not groups
+    designed = replace(designed, pinion_thickness=_pinion_thickness(blank, designed.pair(), by_cutter=by_cutter))
     for name, given in zip(BOTH_MEMBERS, edge_radii, strict=True):
         if given is None:
             designed = _with_fitting_edges(designed, name, require, steps)
@@ -153,15 +152,15 @@ def _with_fitting_edges(designed: PairDesign, name: MemberName, check: ToothChec
     return replace(designed, pinion=pinion)
 
 
-def _thickness_in_slot(blank: BlankDimensions, pair: GearPair) -> float:
-    """Normal circular thickness of the pinion's tooth [mm], in the middle of the flank, that leaves the backlash."""
+def _pinion_thickness(blank: BlankDimensions, pair: GearPair, *, by_cutter: bool) -> float:
+    """Normal circular thickness of the pinion's tooth in the middle of the flank [mm].
+
+    It is what one cutter of both flanks leaves, else what leaves the backlash in the gear's slot.
+    """
+    if by_cutter:
+        return left_by_cutter(pair.pinion) * thickness_per_angle(pair.pinion)
     both = blank.pinion.mean_normal_thickness + blank.gear.mean_normal_thickness
     return filling_thickness(pair) - (math.pi * blank.mean_normal_module - both)
-
-
-def _left_thickness(pair: GearPair) -> float:
-    """Normal circular thickness that one cutter leaves of the pinion's tooth, in the middle of the flank [mm]."""
-    return left_by_cutter(pair.pinion) * thickness_per_angle(pair.pinion)
 
 
 def _middle_thickness(blank: BlankDimensions, gear: Flanks) -> float:

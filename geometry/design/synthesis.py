@@ -121,8 +121,7 @@ class Synthesis:
 
 def root_cost(fit: Synthesis) -> float:
     """Sum of squares [mm^2] of the blade tips' heights above the root cone, as a fit weighs them."""
-    gap = np.nan_to_num(fit.root_gap, nan=LOST_ROOT_GAP)
-    return float(np.sum((1e-3 * ROOT_WEIGHT * gap) ** 2))
+    return float(np.sum((1e-3 * ROOT_WEIGHT * np.nan_to_num(fit.root_gap, nan=LOST_ROOT_GAP)) ** 2))
 
 
 def fit_pinion(

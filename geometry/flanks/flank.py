@@ -157,8 +157,7 @@ class SeedLattice:
         count = min(NEIGHBOURS, kept.size)
         _, seeds = cKDTree(coordinates[:, kept].T).query(target.T, k=count)
         seeds = kept[np.reshape(seeds, (target.shape[1], count))]
-        middle = (SEEDS - 1) / 2.0
-        places = np.stack(np.divmod(seeds, SEEDS)) - middle
+        places = np.stack(np.divmod(seeds, SEEDS)) - (SEEDS - 1) / 2.0
         apart = np.max(np.abs(places - places[:, :, :1]), axis=0)
         best = np.argmin(np.hypot(*places), axis=1)
         choice = np.where(np.any(apart > SHEET_DISTANCE, axis=1), best, 0)
@@ -178,8 +177,7 @@ def seed_lattice(surface: GeneratingSurface, section: BlankSection) -> SeedLatti
     orientation = float(np.sign(surface.orientation(mean))[0])
     # Linear reach of each parameter, doubled: contact may use more than the blank, and the flank is curved.
     _, derivatives = complex_steps(surface.axial_and_radial, mean)
-    inverse = np.linalg.inv(derivatives[:, :, 0].T)
-    span = 2.0 * reach * np.linalg.norm(inverse, axis=1)
+    span = 2.0 * reach * np.linalg.norm(np.linalg.inv(derivatives[:, :, 0].T), axis=1)
     span = np.minimum(span, surface.max_step * np.array([4.0, 6.0]))
     axes = [np.linspace(-s, s, SEEDS) + m for s, m in zip(span, mean[:, 0], strict=True)]
     lattice = np.stack(np.meshgrid(*axes, indexing="ij")).reshape(2, -1)
@@ -256,9 +254,7 @@ def solve_flank(surface: GeneratingSurface, section: BlankSection, axial: Array,
     azimuth = np.stack([np.arctan2(f.position[1], f.position[0]) for f in flanks])
     depths = np.full_like(azimuth, np.nan)
     if np.any(np.isfinite(azimuth)):
-        turn = into_tooth(
-            *(np.concatenate(v, axis=1) for v in zip(*((f.position, f.normal) for f in flanks), strict=True))
-        )
+        turn = into_tooth(np.hstack([f.position for f in flanks]), np.hstack([f.normal for f in flanks]))
         depths = turn * np.mod(azimuth - np.nanmedian(azimuth) + np.pi, 2 * np.pi)
     choice = deepest(parts, [f.blade_distance for f in flanks], list(depths))
     picked = {name: pick([getattr(flank, name) for flank in flanks], choice) for name in Flank.ARRAYS}
@@ -334,12 +330,10 @@ def principal_curvatures(flank: Flank) -> Curvatures:
     usable &= np.all(np.isfinite(first) & np.isfinite(second), axis=(0, 1))
     identity = np.eye(2)[..., None]
     # Orthonormal tangent basis: with I = L L^T the operator L^-1 II L^-T is symmetric.
-    lower = np.linalg.cholesky(np.where(usable, first, identity).transpose(2, 0, 1))
-    inverse = np.linalg.inv(lower)
+    inverse = np.linalg.inv(np.linalg.cholesky(np.where(usable, first, identity).transpose(2, 0, 1)))
     symmetric = inverse @ np.where(usable, second, identity).transpose(2, 0, 1) @ inverse.transpose(0, 2, 1)
     values, vectors = np.linalg.eigh(symmetric)
-    along = np.einsum("nba,nb->an", inverse, vectors[:, :, 1])
-    direction = np.einsum("ian,an->in", tangents, along)
+    direction = np.einsum("ian,an->in", tangents, np.einsum("nba,nb->an", inverse, vectors[:, :, 1]))
     with np.errstate(all="ignore"):
         direction = direction / np.sqrt(dot(direction, direction))
     blank = np.where(usable, 1.0, np.nan)

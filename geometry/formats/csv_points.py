@@ -136,16 +136,14 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
     return point_grid(flanks, values[..., :6], more.get(values.shape[-1] - 6, {}), attributes)
 
 
-def point_grid(
-    flanks: Sequence[str], points: Array, more: Mapping[str, Any], attributes: Mapping[str, Any]
-) -> xr.Dataset:
+def point_grid(flanks: Sequence[str], points: Array, more: Mapping[str, Any], attrs: Mapping[str, Any]) -> xr.Dataset:
     """Dataset of positions and normals (flank, row, column, 6), with further variables."""
     rows, columns = (np.arange(1, count + 1) for count in points.shape[1:3])
     grid = ("flank", "row", "column", "xyz")
     return xr.Dataset(
         {"position": (grid, points[..., :3]), "normal": (grid, points[..., 3:]), **more},
         coords={"flank": list(flanks), "row": rows, "column": columns, "xyz": list("xyz")},
-        attrs=attributes,
+        attrs=attrs,
     )
 
 
@@ -154,6 +152,7 @@ Lines = list[tuple[int, str]]
 WHOLE_KEYS = ("format_version", "number_of_teeth")
 REAL_ENDINGS = ("_mm", "_rad")
 EXCERPT_LENGTH = 60  # of a line in a message [characters]
+DECIMAL_COMMA = re.compile(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$")
 
 
 def comment(line: str) -> str | None:
@@ -183,9 +182,7 @@ def cells(line: str, mark: str) -> list[str]:
     entries = [cell.strip().strip('"').strip() for cell in (line.split() if mark == " " else line.split(mark))]
     while entries and not entries[-1]:
         entries.pop()
-    return (
-        entries if mark == "," else [re.sub(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", cell) for cell in entries]
-    )
+    return entries if mark == "," else [DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in entries]
 
 
 def excerpt(line: str) -> str:

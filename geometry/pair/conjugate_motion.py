@@ -152,6 +152,5 @@ class ConjugateMotion:
         from_pinion = position - column(self.assembly.pinion_origin, position)
         from_gear = position - column(self.assembly.gear_origin, position)
         pinion_arm = cross(column(self.pinion_axis, position), from_pinion)
-        gear_arm = cross(column(self.gear_axis, position), from_gear)
-        lever = dot(gear_arm, normal)
+        lever = dot(cross(column(self.gear_axis, position), from_gear), normal)
         return np.asarray(dot(pinion_arm, normal) / lever - 1.0 / self.assembly.ratio)

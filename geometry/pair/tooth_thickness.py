@@ -51,8 +51,7 @@ def _mean_point(pair: GearPair) -> tuple[tuple[float, float], float]:
     """Cone distances of pinion and gear at the mean point, and how far their pitch cones are apart there [mm]."""
     distance, apart = _nearest(pair)
     gear = pair.gear.section.middle_distance
-    touch = abs(apart) < TOUCH_TOLERANCE * gear
-    return (distance if touch else pair.pinion.section.middle_distance, gear), apart
+    return (distance if abs(apart) < TOUCH_TOLERANCE * gear else pair.pinion.section.middle_distance, gear), apart
 
 
 def _nearest(pair: GearPair) -> tuple[float, float]:

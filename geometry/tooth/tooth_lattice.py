@@ -167,10 +167,10 @@ def numbered(
     columns, rows = body
     t, through, up = fractions
     in_body = np.arange(columns * rows).reshape(columns, rows)
-    first, last = 2 * (size.beside + size.slot), columns - 2 * (size.beside + size.slot)
+    beside, first = 2 * size.beside, 2 * (size.beside + size.slot)
+    last = columns - first
     above = columns * rows + np.arange(2 * size.upward * (2 * size.through + 1)).reshape(2 * size.upward, -1)
-    under = in_body[first:last]
-    in_column = np.concatenate([under, above.T], axis=1)
+    in_column = np.concatenate([in_body[first:last], above.T], axis=1)
     tooth = np.arange(t.size) * nodes.shape[1]
     counts = [len(end) for end in ends]
     toe, heel = np.split(nodes.shape[0] * nodes.shape[1] + np.arange(sum(counts)) * in_body.size, counts[:1])
@@ -178,9 +178,7 @@ def numbered(
     in_the_body = layers(whole, in_body)
     cells = np.concatenate([in_the_body, layers(tooth, in_column[:, rows - 1 :])])
     fixed_nodes = np.unique(np.concatenate([in_body[:, 0], in_body[0], in_body[-1]]))
-    floors = np.stack(
-        [in_body[2 * size.beside : first + 1, -1], in_body[last - 1 : columns - 2 * size.beside, -1][::-1]]
-    )
+    floors = np.stack([in_body[beside : first + 1, -1], in_body[last - 1 : columns - beside, -1][::-1]])
     flat = np.concatenate([nodes.reshape(-1, 3), *(end.reshape(-1, 3) for end in ends)])
     # Left-handed or right-handed, as the tooth's hand has it: all bricks are to have positive volume.
     axes = [flat[cells[0][index]] - flat[cells[0][0, 0, 0]] for index in ((2, 0, 0), (0, 2, 0), (0, 0, 2))]
@@ -480,8 +478,7 @@ def tooth_lattice(
     away = OVERHANG_PER_DEPTH * depth * graded(size.overhang, 1.5)[1:] if size.overhang else np.empty(0)
     ends = [overhang(sections, body, 0, away, web), overhang(sections, body, -1, away)]
 
-    profile = sides[0][1] / sections.depth[:, None]
-    normal = _flank_normals(sections, tooth.loaded, up)
+    profile, normal = sides[0][1] / sections.depth[:, None], _flank_normals(sections, tooth.loaded, up)
     return numbered(nodes, ends, size, body.shape[2:], normal, (t, through, up), profile)
 
 

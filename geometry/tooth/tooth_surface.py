@@ -217,12 +217,10 @@ def tooth_surface(
     GeometryError if a flank is undercut or missing, fillets of a slot overlap, or the tooth is pointed below its tip.
     """
     which = named_member(pair, member)
-    along, upward = two_whole("nodes", nodes, FLANK_NODES_MINIMUM)
+    along, up = two_whole("nodes", nodes, FLANK_NODES_MINIMUM)
     t = tuple((np.linspace(0.0, 1.0, along) if lengthwise is None else lengthwise).tolist())
     placed = placed_flanks(which, tooth_angle(pair, member))
-    front, back = (
-        tooth_side(p.surface, p.section, t, upward, fillet_nodes).turned(p.rotation) for p in placed.values()
-    )
+    front, back = (tooth_side(p.surface, p.section, t, up, fillet_nodes).turned(p.rotation) for p in placed.values())
     turn = into_tooth(front.flank, front.flank_normal)
     tips = _between(front.flank[:, :, -1], back.flank[:, :, -1], turn)
     if np.any(tips <= 0.0):

@@ -307,8 +307,7 @@ def _klingelnberg(design: BlankDesign) -> PitchCones:
     _check_face_width(design, outer - design.gear_face_width * math.sin(_bevel_gear_angle(design)))
 
     def cones(gear_pitch_angle: float) -> PitchCones:
-        diameter = outer - design.gear_face_width * math.sin(gear_pitch_angle)
-        return _touching_cones(design, gear_pitch_angle, diameter)
+        return _touching_cones(design, gear_pitch_angle, outer - design.gear_face_width * math.sin(gear_pitch_angle))
 
     def mismatch(trial: PitchCones) -> float:
         gear_pitch_angle = trial.gear_pitch_angle
