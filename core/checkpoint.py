@@ -47,12 +47,10 @@ class Checkpoint(Generic[Record]):
         exists = not truth("fresh", fresh) and os.path.exists(path)
         text = read_bytes(path, RECORD_SIZE_LIMIT).decode(errors="replace") if exists else ""
         for line in text.splitlines()[1:] if self._is_begun(text) else []:
-            try:
+            with contextlib.suppress(Exception):  # a damaged line may hold anything; its record is computed anew
                 entry = parsed_json(line)
                 if entry["digest"] == self._digest(entry["key"], entry["record"]):
                     self._records[entry["key"]] = decode(entry["record"])
-            except Exception:  # a damaged line may hold anything; its record is computed anew
-                continue
 
     def get(self, key: str) -> Record | None:
         """Record of a key; ``None`` if there is none yet."""

@@ -159,12 +159,9 @@ def free_settings(surface: GeneratingSurface, given: Sequence[str] | None) -> tu
     for name in names:
         if names.count(name) > 1:
             raise InputError(f"free setting = {name!r}: must be named once")
-        if name in allowed or (rolled and MOTION_PATTERN.fullmatch(name)):
-            continue
-        raise InputError(
-            f"free setting = {name!r}: must be one of {', '.join(allowed)}{motions}"
-            + (_reason(name) or suggestion(name, allowed))
-        )
+        if name not in allowed and not (rolled and MOTION_PATTERN.fullmatch(name)):
+            why = _reason(name) or suggestion(name, allowed)
+            raise InputError(f"free setting = {name!r}: must be one of {', '.join(allowed)}{motions}{why}")
     return names
 
 

@@ -145,15 +145,10 @@ class SlotWidths:
 
     line: ToothLine
 
-    @property
-    def proportions(self) -> ToothProportions:
-        """Tooth proportions of the pair."""
-        return self.line.proportions
-
     @cached_property
     def backlash(self) -> float:
         """Normal backlash at the heel (j_en) [mm] (51)."""
-        p = self.proportions
+        p = self.line.proportions
         return (p.pitch - sum(p.mean_normal_thickness)) * self._at_heel * math.cos(p.half_included_angle)
 
     @cached_property
@@ -163,12 +158,12 @@ class SlotWidths:
     def play(self, gear_distance: Array) -> Array:
         """Backlash along the pitch line (...) [mm]."""
         share = self.line.narrowing(gear_distance) / self._at_heel
-        return np.asarray(share * self.backlash / math.cos(self.proportions.half_included_angle))
+        return np.asarray(share * self.backlash / math.cos(self.line.proportions.half_included_angle))
 
     @property
     def clearance_change(self) -> Array:
         """Change of the clearance by the backlash at the toe of pinion and gear (2) [mm] (52, 53)."""
-        p, line = self.proportions, self.line
+        p, line = self.line.proportions, self.line
         steep = math.sin(p.drive_pressure_angle) + math.sin(p.coast_pressure_angle)
         pinion = line.pinion_places * np.cos(line.pinion_spiral(line.on_gear(line.pinion_places)))
         gear = line.gear_places * np.cos(line.gear_spiral(line.gear_places))
@@ -177,20 +172,20 @@ class SlotWidths:
     @cached_property
     def effective_width(self) -> float:
         """Width of the gear's slot that does not change along the face (W_eff) [mm] (64, 72)."""
-        p = self.proportions
+        p = self.line.proportions
         mean = p.pitch - p.mean_normal_thickness[1] - sum(p.mean_dedendum) / 2.0 * p.taper
         mean -= (p.mean_addendum[0] - p.mean_addendum[1]) * math.tan(p.half_included_angle)
         return mean - p.rotation_factor * p.pitch / 2.0
 
     def gear_width(self, gear_distance: Array) -> Array:
         """Slot widths of the gear (...) [mm] at its cone distances (75)."""
-        p, share = self.proportions, self.line.narrowing(gear_distance)
+        p, share = self.line.proportions, self.line.narrowing(gear_distance)
         of_the_tooth = share * (p.mean_normal_thickness[0] - p.mean_dedendum[1] * p.taper)
         return np.asarray(self.effective_width * (1.0 - share) + of_the_tooth + self.play(gear_distance))
 
     def pinion_width(self, gear_distance: Array) -> Array:
         """Slot widths of the pinion (...) [mm] at cone distances of the gear (76)."""
-        p, line = self.proportions, self.line
+        p, line = self.line.proportions, self.line
         depth = line.pinion_dedendum(gear_distance) + line.gear_dedendum(gear_distance)
         filled = line.narrowing(gear_distance) * p.pitch - depth * p.taper - self.gear_width(gear_distance)
         return np.asarray(filled + self.play(gear_distance))
@@ -222,7 +217,7 @@ class SlotWidths:
     @property
     def limit_point_width(self) -> Array:
         """Largest point widths that fit the slots of pinion and gear, less the stock allowance (2) [mm] (90, 91)."""
-        return np.asarray(self.least - np.array(self.proportions.stock_allowance))
+        return np.asarray(self.least - np.array(self.line.proportions.stock_allowance))
 
     @property
     def roughing_blade_point(self) -> Array:
@@ -235,7 +230,7 @@ class SlotWidths:
 
         The least ones, which leave no fin, for a member finished in one cut; the greatest for others.
         """
-        stock = np.array(self.proportions.stock_allowance)
+        stock = np.array(self.line.proportions.stock_allowance)
         return np.where(stock == 0.0, self.least / 2.0 + BLADE_OVERLAP, self.least - stock)
 
 
@@ -253,14 +248,10 @@ class EdgeRadiusLimits:
     slots: SlotWidths
 
     @property
-    def proportions(self) -> ToothProportions:
-        """Tooth proportions of the pair."""
-        return self.slots.proportions
-
-    @property
     def pressure_angles(self) -> Array:
         """Of the drive and the coast side (2) [rad]."""
-        return np.array([self.proportions.drive_pressure_angle, self.proportions.coast_pressure_angle])
+        p = self.slots.line.proportions
+        return np.array([p.drive_pressure_angle, p.coast_pressure_angle])
 
     @property
     def inner_radius(self) -> Array:
@@ -268,7 +259,7 @@ class EdgeRadiusLimits:
         line = self.slots.line
         pinion, gear = line.pinion_places[0], line.gear_places[0]
         spiral = line.pinion_spiral(line.on_gear(pinion)), line.gear_spiral(gear)
-        pitch = np.tan(self.proportions.pitch_angle)
+        pitch = np.tan(line.proportions.pitch_angle)
         return np.asarray(np.array([pinion, gear]) * pitch / np.cos(np.array(spiral)) ** 2)
 
     @property
@@ -281,7 +272,7 @@ class EdgeRadiusLimits:
     @property
     def shift(self) -> Array:
         """Shares of both members in the approach that takes up the backlash at the toe (2) [mm] (104, 105)."""
-        p = self.proportions
+        p = self.slots.line.proportions
         weights = np.array(p.number_of_teeth) * np.cos(np.array(p.pitch_angle)[::-1])
         return np.asarray(self.slots.clearance_change[::-1] * weights / weights.sum())
 
@@ -292,7 +283,7 @@ class EdgeRadiusLimits:
         The mate's tip ends there on the line of action with the backlash taken up; beside a gear cut without generation
         it is the clearance that is left.
         """
-        p, radius, dedendum = self.proportions, self.inner_radius, self.inner_dedendum
+        p, radius, dedendum = self.slots.line.proportions, self.inner_radius, self.inner_dedendum
         tip = radius + dedendum[::-1] - p.clearance
         adjusted = radius - self.shift
         pressure = np.arccos(radius[0] * np.cos(self.pressure_angles) / adjusted[0])
@@ -316,7 +307,7 @@ class EdgeRadiusLimits:
     @cached_property
     def by_manufacture(self) -> Array:
         """Largest edge radii that fit the tips of the blades (2, 2) [mm] (136 to 147); zero where none does."""
-        p, lean = self.proportions, self._lean
+        p, lean = self.slots.line.proportions, self._lean
         finishing = np.maximum(0.0, np.divide.outer(self.slots.finishing_blade_point - p.blade_flat, lean))
         stock = np.array(p.stock_allowance)
         roughing = (self.slots.roughing_blade_point - p.blade_flat) / lean[0]
@@ -326,7 +317,7 @@ class EdgeRadiusLimits:
     @cached_property
     def by_mutilation(self) -> Array:
         """Largest edge radii that spare the other blade's fillet (2, 2) [mm] (152 to 161); NaN for too wide a point."""
-        p, lean = self.proportions, self._lean
+        p, lean = self.slots.line.proportions, self._lean
         past = np.multiply.outer(self.slots.least - self.slots.finishing_blade_point, lean)
         depth = p.fillet_mutilation
         with np.errstate(invalid="ignore"):
