@@ -50,15 +50,9 @@ class AnalysisSize:
     ) -> AnalysisSize:
         """Sizes of a case's analysis; counts are the numbers of speeds, temperatures and roughnesses."""
         contact = case.contact
-        return cls(
-            len(contact.torques) if torques is None else torques,
-            contact.mesh_positions,
-            contact.segments_per_line,
-            contact.lengthwise_nodes,
-            contact.profile_nodes,
-            *counts,
-            feedback,
-        )
+        solved = len(contact.torques) if torques is None else torques
+        grid = (contact.mesh_positions, contact.segments_per_line, contact.lengthwise_nodes, contact.profile_nodes)
+        return cls(solved, *grid, *counts, feedback)
 
     @property
     def solved_positions(self) -> int:

@@ -80,9 +80,8 @@ def _constant(values: Mapping[str, float]) -> Misalignment:
     """Misalignment by the letters of its parts [mm, degrees]."""
     for name in values:
         if name not in SYMBOLS:
-            raise InputError(
-                f"misalignment: {shown(name)}: must be one of {', '.join(SYMBOLS)}{suggestion(str(name), SYMBOLS)}"
-            )
+            near = suggestion(str(name), SYMBOLS)
+            raise InputError(f"misalignment: {shown(name)}: must be one of {', '.join(SYMBOLS)}{near}")
     try:
         row = schema_row(DeflectionRow, {"torque": 0.0, **values})
     except ValueError as error:

@@ -240,10 +240,9 @@ def _read(model: Model) -> tuple[Case, list[str]]:
     if len(stages) != 1:
         raise InputError(f"the file holds {len(stages)} bevel stages with a relation 'stage'; a case is exactly one")
     stage = model.in_role(stages[0], "stage", "bevel_stage")
-    members = [model.in_role(stages[0], role, "bevel_gear") for role in ("gear_1", "gear_2")]
-    if stage is None or members[0] is None or members[1] is None:
+    pinion, gear = (model.in_role(stages[0], role, "bevel_gear") for role in ("gear_1", "gear_2"))
+    if stage is None or pinion is None or gear is None:
         raise InputError("the relation 'stage' of the bevel stage does not name two components of type bevel_gear")
-    pinion, gear = members[0], members[1]
     missing: list[str] = []
     teeth = rexs.MEMBER_TERMS["number_of_teeth"]
     if (gear.number_of(teeth) or 1e9) < (pinion.number_of(teeth) or 0):

@@ -96,13 +96,11 @@ def shared_settings(method: SetUpMethod, limits: SettingLimits, cutter_radius: f
     return tuple(name for name in names if name not in unused)
 
 
-def at_limit(
-    values: Mapping[str, float], limits: SettingLimits, root_angle: float, cutter_radius: float
-) -> tuple[str, ...]:
-    """Names of the fitted settings [mm, rad or per rad] that stand at a limit."""
+def at_limit(values: Mapping[str, float], limits: SettingLimits, root_angle: float, radius: float) -> tuple[str, ...]:
+    """Names of the fitted settings [mm, rad or per rad] that stand at a limit; the radius is the cutter's [mm]."""
     names = []
     for name, value in values.items():
-        low, high = limits.allowed(name, root_angle, cutter_radius)
+        low, high = limits.allowed(name, root_angle, radius)
         if min(value - low, high - value) < AT_LIMIT * scale_of(name):
             names.append(name)
     return tuple(names)

@@ -174,8 +174,7 @@ class SetUpResidual:
 
     def _slot_error(self, steps: Array) -> float:
         assert self.slot is not None
-        concave, convex = self.surfaces(steps)
-        error = SLOT_WEIGHT * self.slot.error(concave, convex)
+        error = SLOT_WEIGHT * self.slot.error(*self.surfaces(steps))
         return error if np.isfinite(error) else 1e9
 
 

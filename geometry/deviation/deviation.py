@@ -48,7 +48,6 @@ class Interpolant(Protocol):
 
     def __call__(self, axial: Array, radial: Array) -> tuple[Array, Array]:
         """Deviation (...) [mm] and its slope by the axial and the radial coordinate (2, ...) [1]."""
-        ...
 
 
 @dataclass(frozen=True, eq=False)

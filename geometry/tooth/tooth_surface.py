@@ -11,6 +11,7 @@ labelled dataset.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -414,13 +415,11 @@ def _tip_path(side: PlacedFlank, fractions: Array) -> tuple[Array, Array]:
     for number in range(places.shape[1]):
         for radius, nodes in ((0.0, 2), (blade.edge_radius, FILLET_NODES)):
             surface = side.surface.rounded(radius)
-            try:
+            with suppress(GeometryError):
                 tip_side = tooth_side(surface, side.section, tuple(places[:, number].tolist()), SIDE_NODES, nodes)
-            except GeometryError:
-                continue
-            points[:, :, number] = tip_side.turned(side.rotation).fillet[:, :, 0]
-            beside[number] = radius * (1.0 - np.sin(blade.pressure_angle)) / np.cos(blade.pressure_angle)
-            break
+                points[:, :, number] = tip_side.turned(side.rotation).fillet[:, :, 0]
+                beside[number] = radius * (1.0 - np.sin(blade.pressure_angle)) / np.cos(blade.pressure_angle)
+                break
     return points.reshape(3, -1), beside
 
 
