@@ -31,6 +31,8 @@ from .touching_system import ActiveSetPoint, DenseTouching, TouchingFactor, firs
 
 #: Steps without fewer wrong signs before segments move one at a time.
 MAX_STALLED_STEPS = 4
+#: Single moves of large problems.
+MAX_SINGLE_MOVES = 100
 #: A wrong sign below this, relative to the largest force or gap term, is rounding.
 SIGN_TOLERANCE = 1e-14
 #: The same once single segments move.
@@ -47,10 +49,11 @@ def primal_dual_active_set(
 ) -> ScaledAnswer | None:
     """Solve the scaled problem from a starting set (n); None if it did not end.
 
-    Iterations are linear systems, 40 + n at most by default; they are of C unless ``solve_set`` solves them.
+    Iterations are linear systems, 40 + n at most by default, or 140: where so many single moves do not help, C is nearly
+    singular. They are of C unless ``solve_set`` solves them.
     """
     active = active.copy()
-    limit = 40 + active.size if max_iterations is None else max_iterations
+    limit = 40 + min(active.size, MAX_SINGLE_MOVES) if max_iterations is None else max_iterations
     fewest, patience = active.size + 1, MAX_STALLED_STEPS
     tolerance = SIGN_TOLERANCE
     for iteration in range(1, limit + 1):
@@ -105,20 +108,25 @@ GAP_TOLERANCE, RELAXED_GAP_TOLERANCE = 1e-13, 1e-11
 #: Steps without progress after which the first segment that penetrates enters, not the one that does most (Bland), and
 #: the part of a step below which there is none.
 STALLED_STEPS, SMALLEST_STEP = 20, 1e-12
+#: Dependence tolerance where the compliance is known not to be singular.
+NO_DEPENDENCE = 1e-14
 
 
-def primal_active_set(problem: ScaledProblem, start: Bools, budget: StepBudget) -> ScaledAnswer | None:
+def primal_active_set(
+    problem: ScaledProblem, start: Bools, budget: StepBudget, force: Array | None = None
+) -> ScaledAnswer | None:
     """Solve the scaled problem by feasible descent; None if it did not end, or the energy has no minimum.
 
-    The start (n) is loaded equally, where lever arms are positive; no load without a torque. Iterations are linear
-    systems, 20 + 5 n at most.
+    Descent begins with forces (n) that balance the torque, of a compliance that is not singular; else the start (n) is
+    loaded equally, where lever arms are positive; no load without a torque. Iterations are linear systems, 20 + 2 n at
+    most.
     """
     size, closing, torque = problem.lever_arm.size, -problem.separation, problem.torque
     root = np.sqrt(problem.compliance.diagonal())
-    system, force = _start(problem, start)
+    system, force = _start(problem, start, force)
     refused = np.zeros(size, dtype=np.bool_)
     newest, stalled = -1, 0
-    for iteration in range(1, 20 + 5 * size + 1):
+    for iteration in range(1, 20 + 2 * size + 1):
         if not budget.step():
             return None
         wanted = system.forces(closing, torque)
@@ -170,8 +178,10 @@ def primal_active_set(problem: ScaledProblem, start: Bools, budget: StepBudget) 
     return None
 
 
-def _start(problem: ScaledProblem, start: Bools) -> tuple[DenseTouching, Array]:
-    """Touching segments whose forces are unique, and equal forces of them (n); no forces without a torque."""
+def _start(problem: ScaledProblem, start: Bools, force: Array | None) -> tuple[DenseTouching, Array]:
+    """Touching segments whose forces are unique, and these, or equal ones (n); no forces without a torque."""
+    if force is not None and force.any():
+        return DenseTouching(problem.compliance, problem.lever_arm, force > 0.0, NO_DEPENDENCE), force.copy()
     loaded = np.zeros(problem.lever_arm.size, dtype=np.bool_)
     if problem.torque > 0.0:
         loaded |= start & (problem.lever_arm > 0.0)

@@ -88,7 +88,9 @@ class TouchingFactor:
     shifted: bool = False  # C_AA singular to rounding; factor of C_AA + shift I
 
     @classmethod
-    def of(cls, block: Array, arm: Array, *, shift: bool = False) -> TouchingFactor | None:
+    def of(
+        cls, block: Array, arm: Array, *, shift: bool = False, dependence: float = DEPENDENCE_TOLERANCE
+    ) -> TouchingFactor | None:
         """Factorise; a block that is singular to rounding is shifted, or else there is no factor.
 
         None also where it has no factor with a shift (it is not positive semidefinite), or overflows.
@@ -100,7 +102,7 @@ class TouchingFactor:
         elif not failed and not shift:
             # The trace bounds the largest eigenvalue, and costs less than a norm.
             reciprocal_condition, _ = dpocon(lower, float(block.trace()), uplo="L")
-            failed = not reciprocal_condition > DEPENDENCE_TOLERANCE
+            failed = not reciprocal_condition > dependence
         if lower is None or (failed and not shift):
             return None
         turning = dpotrs(lower, arm, lower=1)[0]
@@ -218,11 +220,13 @@ class DenseTouching:
     """The system for a set of touching segments that changes one by one.
 
     Of a symmetric, positive semidefinite C (n, n) [mm/N] and r (n) [mm]; touching segments whose forces would not be
-    unique are left out.
+    unique, to a tolerance, are left out.
     """
 
-    def __init__(self, compliance: Array, lever_arm: Array, active: Bools) -> None:
-        self._compliance, self._arm = compliance, lever_arm
+    def __init__(
+        self, compliance: Array, lever_arm: Array, active: Bools, dependence: float = DEPENDENCE_TOLERANCE
+    ) -> None:
+        self._compliance, self._arm, self._dependence = compliance, lever_arm, dependence
         self._index = np.empty(0, dtype=np.intp)
         self._factor: TouchingFactor | None = None
         self._known = np.empty((0, 0))  # the inverse, where there is no factor
@@ -251,7 +255,7 @@ class DenseTouching:
         diagonal = float(self._compliance[segment, segment])
         yielded = float(side @ solved)
         pivot = diagonal - yielded
-        if not pivot > DEPENDENCE_TOLERANCE * max(diagonal, abs(yielded)):
+        if not pivot > self._dependence * max(diagonal, abs(yielded)):
             return False
         size = solved.size
         inverse = np.empty((size + 1, size + 1))
@@ -348,15 +352,15 @@ class DenseTouching:
     def _make(self, index: Integers) -> bool:
         """Factorise a set anew, if it is not singular."""
         block, arm = self._compliance[np.ix_(index, index)], self._arm[index]
-        if (factor := TouchingFactor.of(block, arm)) is None:
-            if (inverse := _inverse_of_border(block, arm)) is None:
+        if (factor := TouchingFactor.of(block, arm, dependence=self._dependence)) is None:
+            if (inverse := _inverse_of_border(block, arm, self._dependence)) is None:
                 return False
             self._known = inverse
         self._index, self._factor, self._updates = index, factor, 0
         return True
 
 
-def _inverse_of_border(block: Array, arm: Array) -> Array | None:
+def _inverse_of_border(block: Array, arm: Array, dependence: float) -> Array | None:
     """Inverse of K, where C_AA may be singular; None if K is."""
     size, level, largest = arm.size + 1, float(block.diagonal().mean()), float(np.abs(arm).max())
     if largest == 0.0:
@@ -372,7 +376,7 @@ def _inverse_of_border(block: Array, arm: Array) -> Array | None:
     except np.linalg.LinAlgError:
         return None
     condition = float(np.abs(system).sum(axis=0).max()) * float(np.abs(inverse).sum(axis=0).max())
-    return np.asarray(inverse * np.outer(scale, scale)) if condition * DEPENDENCE_TOLERANCE < 1.0 else None
+    return np.asarray(inverse * np.outer(scale, scale)) if condition * dependence < 1.0 else None
 
 
 #: Part of a segment's compliance below which its local compliance is not divided by.

@@ -10,6 +10,15 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from outside_problems import (
+    KINDS,
+    factor_portfolio,
+    mixture,
+    outside_problems,
+    overlapping_classes,
+    portfolio,
+    support_vectors,
+)
 from solver_choice import installed
 
 from easeoff import EaseoffError, InputError, MissingSolverError
@@ -115,20 +124,6 @@ def test_last_method_does_not_need_the_local_compliance(name: str) -> None:
         assert residual_in_extended_precision(problem, solution) < 1e-9
 
 
-def portfolio(assets: int, observations: int, seed: int) -> ContactProblem:
-    """Least variance without short sales: correlations from fewer observations than assets are singular."""
-    rng = np.random.default_rng(seed)
-    returns = rng.standard_normal((observations, 3)) @ rng.standard_normal((3, assets))
-    returns += rng.standard_normal((observations, assets))
-    correlation = np.corrcoef(returns.T)
-    return ContactProblem(np.zeros(assets), np.ones(assets), 1.0, (correlation + correlation.T) / 2.0)
-
-
-def support_vectors(points: Array, label: Array, kernel: Array) -> ContactProblem:
-    """Dual of a support vector machine: no torque, lever arms of both signs; its rotation is the offset."""
-    return ContactProblem(-np.ones(len(points)), label, 0.0, kernel * np.outer(label, label))
-
-
 @pytest.mark.parametrize(("assets", "observations"), [(7, 3), (40, 20), (60, 30), (150, 100), (200, 20)])
 def test_singular_compliances_without_separations(assets: int, observations: int) -> None:
     for seed in range(3):
@@ -158,10 +153,7 @@ def test_widest_margin_between_parallel_planes(dimensions: int, method: str) -> 
 
 @pytest.mark.parametrize("method", ["cascade", "primal_active_set"])
 def test_support_vectors_of_points_that_overlap(method: str) -> None:
-    rng = np.random.default_rng(4)
-    points = rng.standard_normal((80, 3))
-    label = np.where(points[:, 0] + 0.5 * rng.standard_normal(80) > 0.0, 1.0, -1.0)
-    kernel = np.exp(-0.5 * ((points[:, None] - points) ** 2).sum(axis=-1))
+    points, label, kernel = overlapping_classes(80, seed=4)
     problem = support_vectors(points, label, kernel)
     solution = solve(problem, method=method)
     assert solution.status is Status.CERTIFIED
@@ -169,6 +161,41 @@ def test_support_vectors_of_points_that_overlap(method: str) -> None:
     margin = label * (kernel @ (solution.force * label) - solution.rotation)
     assert margin.min() > 1.0 - 1e-10
     np.testing.assert_allclose(margin[solution.force > 0.0], 1.0, rtol=0.0, atol=1e-10)
+
+
+def test_many_support_vectors_whose_kernel_is_singular_to_rounding() -> None:
+    """Neither active set ends on the kernel as given: compliances that are less singular lead there."""
+    points, label, kernel = overlapping_classes(600, seed=1)
+    assert np.linalg.eigvalsh(kernel)[80] < 1e-9
+    solution = solve(support_vectors(points, label, kernel))
+    assert solution.status is Status.CERTIFIED
+    margin = label * (kernel @ (solution.force * label) - solution.rotation)
+    scale = np.abs(kernel @ (solution.force * label)).max()
+    assert margin.min() > 1.0 - 1e-8 * scale
+    np.testing.assert_allclose(margin[solution.force > 0.0], 1.0, rtol=0.0, atol=1e-8 * scale)
+
+
+@pytest.mark.parametrize("problem", [factor_portfolio(60, 5, 3), mixture(60, 120, 3), mixture(60, 40, 3)])
+def test_shares_that_add_up_to_one(problem: ContactProblem) -> None:
+    """Marginal values of what is held are equal, of all else no better."""
+    solution = solve(problem)
+    assert solution.status is Status.CERTIFIED
+    assert solution.force.sum() == pytest.approx(1.0, rel=1e-12)
+    marginal = problem.dense_compliance @ solution.force + problem.separation
+    held = solution.force > 0.0
+    assert 1 < np.count_nonzero(held) < problem.size
+    scale = np.abs(problem.dense_compliance @ solution.force).max()
+    np.testing.assert_allclose(marginal[held], solution.rotation, rtol=0.0, atol=1e-11 * scale)
+    assert marginal.min() > solution.rotation - 1e-11 * scale
+
+
+def test_problems_of_other_fields_in_the_comparison_have_answers() -> None:
+    kinds = [(kind, problem.size) for kind, _, problem in outside_problems()]
+    assert len(kinds) == 24
+    assert list(dict.fromkeys(kind for kind, _ in kinds)) == list(KINDS)
+    for _, name, problem in outside_problems():
+        if problem.size < 100:
+            assert solve(problem).status is Status.CERTIFIED, name
 
 
 @pytest.mark.parametrize("seed", [229, 369, 496, 605])
