@@ -225,7 +225,7 @@ OPTIONS: dict[str, Options] = {
         "--solvers": ("native", "native,magic", "magic", "", "native,", "os:path", "math:sqrt", "osqp",
         "native,native", "nothing:x", ":", "\x1b[2J"),
         "--repetitions": ("1", "0", "-1", "x", "2"), "--time-limit": ("1", "0", "-1", "nan", "inf", "1e-9"),
-        "--tolerance": ("1e-5", "0", "-1", "nan", "1", "inf"), "--raw": None, "--polish": None,
+        "--tolerance": ("1e-5", "0", "-1", "nan", "1", "inf"), "--raw": None, "--defaults": None, "--polish": None,
         "--tolerances": ("1e-3", "1e-3,1e-6", "1e-3,1e-3", "0", "1", "-1", "nan", "x", "", "1e-3,"),
         "--threads": ("1", "2", "0", "-1", "x"), "--fresh": None, "--test-set": None,
         "--time": ("wall", "processor", "cpu", ""),

@@ -158,6 +158,7 @@ def library(output: Path, parts: str | None) -> None:
 @click.option("--time-limit", metavar="S", default=10.0, help="Time limit of an attempt in s.")
 @click.option("--tolerance", metavar="X", default=1e-5, help="Largest violation of a condition in a certified answer.")
 @click.option("--polish", is_flag=True, help="Also run the backends with one linear solve on the set they found.")
+@click.option("--defaults", is_flag=True, help="Also run the backends with their own settings.")
 @click.option("--raw", is_flag=True, help="Also run the backends in mm and N, with their own settings.")
 @click.option(
     "--tolerances",

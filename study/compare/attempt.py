@@ -49,8 +49,9 @@ SETTINGS = {
     "polished": "the same, then one linear solve on the active set that the solver found",
     "raw": "problem in mm and N, the solver's default settings; its own answer",
     "sweep": "scaled problem, a tolerance of the sweep; the solver's own answer",
+    "default": "scaled problem, the solver's default settings; its own answer",
 }
-HEADLINE, POLISHED, RAW, SWEEP = SETTINGS
+HEADLINE, POLISHED, RAW, SWEEP, DEFAULT = SETTINGS
 #: Starts of a solver.
 COLD, WARM = "cold", "warm"
 
@@ -71,13 +72,13 @@ class Method:
     tolerance: float = 0.0  # of a sweep; zero for that of the settings
 
     def keywords(self, time_limit: float) -> dict[str, Any]:
-        """Return the keywords that the solver is called with; for ``raw`` a time limit alone, where it takes one."""
+        """Return the keywords that the solver is called with; without those of the table a time limit alone."""
         if self.solver not in SOLVERS:
             keywords = {"time_limit": time_limit}
             return {**keywords, OWN_TOLERANCE_NAME: self.tolerance} if self.tolerance else keywords
         entry = SOLVERS[self.solver]
         limits = {entry.time_setting: time_limit} if entry.time_setting in entry.settings else {}
-        if self.settings == RAW:
+        if self.settings in (RAW, DEFAULT):
             return limits
         least = max(self.tolerance, entry.least_tolerance)
         swept = dict.fromkeys(entry.tolerance_settings, least) if self.tolerance else {}

@@ -38,6 +38,7 @@ class Choice:
     time_limit: float
     polish: bool
     raw: bool  # also measure in mm and N at the backends' own settings
+    defaults: bool  # also measure the scaled problem at the backends' own settings
     tolerances: tuple[float, ...]
     threads: int
 
@@ -47,6 +48,7 @@ class Choice:
         whole("threads", self.threads, 1, 1024)
         truth("polish", self.polish)
         truth("raw", self.raw)
+        truth("defaults", self.defaults)
         for tolerance in self.tolerances:
             number("tolerances", tolerance, above=0.0, below=1.0)
         if len(self.tolerances) > TOLERANCE_COUNT_LIMIT:
@@ -102,6 +104,8 @@ def methods_of(solver: str, choice: Choice, *, warm: bool = False) -> Iterator[M
         yield Method(solver, attempting.POLISHED)
     if choice.raw:
         yield Method(solver, attempting.RAW)
+    if choice.defaults:
+        yield Method(solver, attempting.DEFAULT)
     if attempting.has_tolerance(solver):
         yield from (Method(solver, attempting.SWEEP, COLD, tolerance) for tolerance in choice.tolerances)
 
@@ -122,6 +126,7 @@ def compare(
     tolerance: float = DEFAULT_TOLERANCE,
     polish: bool = False,
     raw: bool = False,
+    defaults: bool = False,
     tolerances: Sequence[float] = (),
     threads: int = 1,
     time: str = WALL,
@@ -148,6 +153,8 @@ def compare(
         Whether the backends are also run with a polish, one linear solve on the active set they found.
     raw
         Whether the backends are also run without the package's scaling and settings.
+    defaults
+        Whether the backends are also run with their own settings on the scaled problem.
     tolerances
         Tolerances with which the backends are also run, each under the names it has for them, for the work-precision
         diagram.
@@ -194,7 +201,7 @@ def compare(
     one_of("time", time, tuple(TIMES))
     instance("progress", progress, Callable | None)
     tried = tuple(array("tolerances", tolerances, ndim=1).tolist())
-    choice = Choice(repetitions, time_limit, polish, raw, tried, threads)
+    choice = Choice(repetitions, time_limit, polish, raw, defaults, tried, threads)
     target = file_path("folder", folder)
     check_folder(target, "comparison")
     checkpoint = Checkpoint(target / CHECKPOINT, STUDY, encode=_stored, decode=_attempts, fresh=fresh)

@@ -1,15 +1,18 @@
-"""Compare all installed solvers on the problem library: tables and pictures of ``compare.md`` and of a note.
+"""Compare all installed solvers on the problem library and on problems of other fields: pages, pictures, measurements.
 
-``python docs/make comparison FOLDER`` makes the small and the medium part of the library and the comparison in a
-folder, from which it resumes, and updates the pages: some ten minutes on two cores. With ``--page`` it only updates
-them from the comparison in the folder.
+``python docs/make comparison FOLDER`` makes the small and the medium part of the library, `outside_problems`, and the
+comparison in a folder, from which it resumes, and updates ``compare.md`` and a note: half an hour on a quiet machine.
+With ``--page`` it only updates them from the comparison in the folder. Measurements and environment of the pages are
+kept beside them, in ``docs/researcher/comparison``.
 
 After a change of solvers or of their settings.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
+import lzma
 import sys
 from pathlib import Path
 from typing import Any
@@ -17,12 +20,15 @@ from typing import Any
 import numpy as np
 from folders import IMAGES, NOTES, RESEARCHER
 from generated_part import with_generated
+from outside_problems import KINDS, write_outside
 from PIL import Image
 
+from easeoff.contact import SOLVERS
 from easeoff.study.compare import compare, write_comparison
 from easeoff.study.compare.comparison_table import read_table
 from easeoff.study.compare.method_statistics import (
     RUN_TIME_SHIFT,
+    attempts_of,
     by_problem,
     headline,
     methods,
@@ -34,30 +40,109 @@ from easeoff.study.report.comparison_report import milliseconds, ratio, residual
 
 PAGES = (RESEARCHER / "compare.md", NOTES / "contact_solvers.md")
 PARTS = ("small", "medium")
+OUTSIDE = "outside"  # file of the problems of other fields
+KEPT = RESEARCHER / "comparison"  # measurements of the pages
 TOLERANCES = (1e-3, 1e-6, 1e-9)
-TIME_LIMIT = 2.0  # [s]
+TIME_LIMIT = 60.0  # [s]: all but hopeless attempts end before
+REPETITIONS = 3
 ACCURACIES = ("1e-08", "1e-12")  # whose shares are listed
 STARTS = ("solver", "cold [ms]", "warm [ms]", "ratio", "certified, warm")  # columns of the table of starts
 COLOURS = 96
-#: What is counted of the answers with each settings.
-COUNTS = {"scaled": ("certified",), "polished": ("exact",), "raw": ("claims", "uncertified")}
+#: Certificates that answers at the solvers' own settings are held to.
+LEVELS = (1e-3, 1e-5, 1e-7)
 PICTURES = ("performance_profile", "data_profile", "pairs", "work_precision", "run_time")
 
 
-def claim_table(table: Any) -> str:
-    """What each solver said, and what is certified: a row a solver."""
+def best_table(table: Any) -> str:
+    """Each solver at its best: what is certified, and mean times of the whole call and of the bare one, both ranked."""
     problems, named = statistics(table)
+    found = {solver: of_method(problems, (solver, "scaled", "cold")) for solver, _, _ in headline(named)}
+    limit = float(table.attrs["time_limit_s"])
+    whole, bare = (
+        {solver: _mean(rows[name].where(rows["certified"]), limit) for solver, rows in found.items()}
+        for name in ("wall_time", "call_time")
+    )
     rows = []
+    for solver, answers in found.items():
+        polished = of_method(problems, (solver, "polished", "cold"))
+        rows.append(
+            [
+                solver,
+                str(int(answers["certified"].sum())),
+                str(int((polished if len(polished) else answers)["exact"].sum())),
+                *(f"{milliseconds(means[solver])} ({_rank(means, solver)})" for means in (whole, bare)),
+                ratio(float(answers["spread"].median())),
+            ]
+        )
+    count = len(problems.drop_duplicates(["problem_file", "problem"]))
+    return _table([f"of {count}", "certified", "exact", "whole [ms] (rank)", "bare [ms] (rank)", "spread"], rows)
+
+
+def default_table(table: Any) -> str:
+    """Each solver at its own settings: its claims, how accurate they are, mean times of what it calls solved."""
+    _, named = statistics(table)
+    frame = attempts_of(table)
+    limit, rows = float(table.attrs["time_limit_s"]), []
+    for solver, _, _ in headline(named):
+        found = frame[(frame["solver"] == solver) & (frame["settings"] == "default")]
+        if not len(found):
+            continue
+        problems = found.groupby(["problem_file", "problem"], sort=False).agg(
+            claims=("claims", "all"),
+            worst=("worst_residual", lambda values: values.fillna(np.inf).max()),
+            whole=("wall_time", "median"),
+            bare=("call_time", "median"),
+        )
+        solved = problems[problems["claims"]]
+        rows.append(
+            [
+                solver,
+                str(len(solved)),
+                *(str(int((solved["worst"] <= level).sum())) for level in LEVELS),
+                *(milliseconds(_mean(problems[name].where(problems["claims"]), limit)) for name in ("whole", "bare")),
+            ]
+        )
+    return _table(["solver", "says solved", *(f"to {level:.0e}" for level in LEVELS), "whole [ms]", "bare [ms]"], rows)
+
+
+def outside_table(table: Any) -> str:
+    """Problems of other fields: how many each solver has certified, and the mean time of the bare call."""
+    problems, named = statistics(table)
+    limit, rows = float(table.attrs["time_limit_s"]), []
     for solver, _, _ in headline(named):
         row = [solver]
-        for settings in COUNTS:
-            found = of_method(problems, (solver, settings, "cold"))
-            row += [str(int(found[name].sum())) if len(found) else "" for name in COUNTS[settings]]
+        for kind in KINDS:
+            found = of_method(problems, (solver, "scaled", "cold"))
+            found = found[found["kind"] == kind]
+            time = _mean(found["call_time"].where(found["certified"]), limit)
+            row.append(f"{int(found['certified'].sum())}: {milliseconds(time)}")
         rows.append(row)
-    count = len(problems.drop_duplicates(["problem_file", "problem"]))
-    words = {"claims": "says solved", "uncertified": "says solved, not certified"}
-    heads = [f"{settings}: {words.get(name, name)}" for settings, names in COUNTS.items() for name in names]
-    return _table([f"of {count}", *heads], rows)
+    return _table(["certified: bare [ms]", *KINDS], rows)
+
+
+def settings_table(_: Any) -> str:
+    """Settings of each solver at its best, for its authors to review."""
+    rows = []
+    for name, entry in SOLVERS.items():
+        settings = {key: value for key, value in entry.settings.items() if key != entry.time_setting}
+        if settings:
+            further = "; where it finds nothing " + _settings(entry.second_attempt) if entry.second_attempt else ""
+            rows.append([f"`{name}`", _settings(settings) + further])
+    return _table(["solver", "settings"], rows)
+
+
+def _settings(settings: Any) -> str:
+    return ", ".join(f"{key} = {value!r}" for key, value in settings.items())
+
+
+def _mean(times: Any, limit: float) -> float:
+    """Shifted geometric mean of times [s]; what has none counts with the limit."""
+    values = times.to_numpy(dtype=float)
+    return shifted_geometric_mean(np.where(np.isfinite(values), values, limit), RUN_TIME_SHIFT)
+
+
+def _rank(means: dict[str, float], solver: str) -> int:
+    return 1 + sum(mean < means[solver] for mean in means.values())
 
 
 def time_table(table: Any) -> str:
@@ -116,7 +201,10 @@ def _table(head: list[str], rows: list[list[str]]) -> str:
 
 
 TABLES = {
-    "claims": claim_table,
+    "best": best_table,
+    "defaults": default_table,
+    "outside": outside_table,
+    "settings": settings_table,
     "times": time_table,
     "starts": warm_table,
     "machine": machine_line,
@@ -128,6 +216,26 @@ def updated(page: str, table: Any) -> str:
     for name, made in TABLES.items():
         page = with_generated(page, name, made(table))
     return page
+
+
+def keep(folder: Path) -> None:
+    """Keep measurements and environment beside the pages: all attempts, the machine, versions, files of problems."""
+    KEPT.mkdir(exist_ok=True)
+    (KEPT / "results.csv.xz").write_bytes(lzma.compress((folder / "comparison" / "results.csv").read_bytes()))
+    attributes = dict(read_table(folder / "comparison" / "results.nc").attrs)
+    environment = {name: _plain(value) for name, value in attributes.items()}
+    environment["files"] = {
+        f"{part}.nc": hashlib.sha256((folder / f"{part}.nc").read_bytes()).hexdigest() for part in (*PARTS, OUTSIDE)
+    }
+    text = json.dumps(environment, indent=2) + "\n"
+    (KEPT / "environment.json").write_text(text, encoding="utf-8")
+
+
+def _plain(value: Any) -> Any:
+    """An attribute as JSON has it; texts of JSON as what they say."""
+    if isinstance(value, str):
+        return json.loads(value) if value.startswith("{") else value
+    return value.item() if isinstance(value, np.generic) else value
 
 
 def main() -> None:
@@ -143,22 +251,24 @@ def main() -> None:
         # A palette takes a third of the room; there are not many colours.
         picture = Image.open(folder / "comparison" / "figures" / f"{name}.png").convert("RGB").quantize(COLOURS)
         picture.save(IMAGES / "compare" / f"compare_{name}.png", optimize=True)
+    keep(folder)
     for page in PAGES:
         page.write_text(updated(page.read_text(encoding="utf-8"), table), encoding="utf-8")
 
 
 def measure(folder: Path) -> None:
     """Make the files of the library that there are not yet, and the comparison."""
-    files = [folder / f"{part}.nc" for part in PARTS]
+    files = [folder / f"{part}.nc" for part in (*PARTS, OUTSIDE)]
     if not all(file.exists() for file in files):
         write_library(folder, PARTS)
+        write_outside(files[-1])
     table = compare(
         files,
         folder / "comparison",
-        repetitions=1,
+        repetitions=REPETITIONS,
         time_limit=TIME_LIMIT,
         polish=True,
-        raw=True,
+        defaults=True,
         tolerances=TOLERANCES,
         progress=lambda done, total: print(f"\r{done} of {total}", end="", flush=True),
     )

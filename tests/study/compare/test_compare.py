@@ -135,7 +135,8 @@ def lies(file: Path, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     """A comparison of a solver that lies with an honest one, in all settings."""
     solvers = ["fake_solvers:lie", "osqp"]
     folder = tmp_path_factory.mktemp("lies")
-    return compare([file], folder, solvers=solvers, repetitions=1, time_limit=LIMIT, polish=True, raw=True)
+    kinds = {"polish": True, "raw": True, "defaults": True}
+    return compare([file], folder, solvers=solvers, repetitions=1, time_limit=LIMIT, **kinds)
 
 
 @pytest.fixture(scope="module")
@@ -187,7 +188,7 @@ def test_solver_that_lies_is_found_out(lies: xr.Dataset) -> None:
     found = rows(lies, "fake_solvers:lie")
     assert set(found["claim"]) == {"solved"}
     assert set(found["iterations"]) == {7}
-    assert set(found["settings"]) == {"scaled", "polished", "raw"}
+    assert set(found["settings"]) == {"scaled", "polished", "raw", "default"}
     assert not found["certified"].any()
     assert not found["polished"].any()
     assert (found["equilibrium"] < 1e-12).all()  # its forces do balance the torque
@@ -240,7 +241,7 @@ def test_native_solver_is_certified_and_exact_cold_and_warm(dataset: xr.Dataset)
 
 def test_without_polish_the_answer_is_the_backends_own(lies: xr.Dataset) -> None:
     found = rows(lies, "osqp")
-    assert list(dict.fromkeys(found["settings"])) == ["scaled", "polished", "raw"]
+    assert list(dict.fromkeys(found["settings"])) == ["scaled", "polished", "raw", "default"]
     by_settings = dict(list(found.groupby("settings")))
     assert by_settings["polished"]["polished"].all()
     assert not by_settings["scaled"]["polished"].any()
@@ -248,7 +249,9 @@ def test_without_polish_the_answer_is_the_backends_own(lies: xr.Dataset) -> None
     # Its own tolerances, met in units in which they mean little: the error is what the certificate says it is.
     assert (by_settings["raw"]["worst_residual"] > 1e3 * by_settings["scaled"]["worst_residual"].max()).all()
     assert (by_settings["raw"]["rotation_error"] > 1e3 * by_settings["polished"]["rotation_error"].max()).all()
-    assert set(by_settings["raw"]["claim"]) == {"solved"}
+    assert (by_settings["default"]["worst_residual"] > by_settings["scaled"]["worst_residual"].max()).all()
+    assert (by_settings["default"]["worst_residual"] < 1e-2).all()
+    assert all(set(by_settings[settings]["claim"]) == {"solved"} for settings in ("raw", "default"))
 
 
 OWN_SOLVER = """
@@ -512,7 +515,7 @@ def test_who_is_wrong_is_last_in_every_table(written: list[Path], folder: Path) 
 def test_report_counts_what_is_not_certified_and_does_not_time_it(lies: xr.Dataset) -> None:
     text = comparison_report(lies)
     success, times = cells(text, "Answers"), cells(text, "Run time")
-    for settings in ("scaled", "polished", "raw"):
+    for settings in ("scaled", "polished", "raw", "default"):
         method = ("fake_solvers:lie", settings, "cold")
         assert counts(success[method]) == (2, 2, 0, 0, 0, 2, 0)
         assert float(times[method]["mean [ms]"]) == pytest.approx(1e3 * LIMIT)  # a wrong answer counts as none
@@ -532,10 +535,10 @@ def test_backend_gets_the_form_that_solve_gives_it() -> None:
     pair = (np.full(size, 1e-6), 1e-3 * rng.standard_normal((size, 4)))
     large = ContactProblem(1e-3 * rng.standard_normal(size) ** 2, np.full(size, 40.0), 1e5, pair)
     for problem in (large, same_size(1)[0]):
-        for settings in ("scaled", "polished", "raw"):
+        for settings in ("scaled", "polished", "raw", "default"):
             attempt(Request(problem, Method("piqp", settings), LIMIT), adapter)
     attempt(Request(large, Method("my_solver:solve_scaled", "scaled"), LIMIT), adapter)
-    assert seen == ["lifted", "lifted", "dense", *["dense"] * 4]
+    assert seen == ["lifted", "lifted", "dense", "lifted", *["dense"] * 5]
 
 
 def test_names_and_kinds_of_a_file_come_into_table_and_report(tmp_path: Path) -> None:

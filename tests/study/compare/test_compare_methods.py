@@ -38,10 +38,11 @@ from easeoff.verification.problem_classes import PROBLEM_CLASSES
 
 LIARS = ["lie", "zero", "start", "stale"]
 LIMIT = 3600.0
+KINDS = {"polish": True, "raw": True, "defaults": False, "tolerances": (), "threads": 1}
 
 
 def choice(repetitions: int = 2, **chosen: Any) -> Choice:
-    return Choice(repetitions, LIMIT, **{"polish": True, "raw": True, "tolerances": (), "threads": 1, **chosen})
+    return Choice(repetitions, LIMIT, **{**KINDS, **chosen})
 
 
 def tried(name: str, posed: list[PosedProblem], chosen: Choice) -> dict[tuple[Any, ...], list[Attempt]]:
