@@ -49,9 +49,9 @@ MADE_OF = {
 
 
 def coarse(name: str, model: str = "solid_shell") -> Case:
-    """A small case with coarse teeth, of ``fm-11x41`` each on a body of its own."""
+    """A small case with coarse teeth, of all but ``nasa-12x36`` each on a body of its own."""
     case = small(name, mesh_positions=4)
-    teeth = {"model": model, "fineness": 0.3, "neighbours": name != "fm-11x41"}
+    teeth = {"model": model, "fineness": 0.2, "neighbours": name == "nasa-12x36"}
     return case.model_copy(update={"compliance": case.compliance.model_copy(update=teeth)})
 
 
