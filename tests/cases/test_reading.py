@@ -225,7 +225,7 @@ def test_threads_read_write_and_analyse_at_once(
 
     def computing() -> None:
         with xr.open_dataset(stored, group="loaded", chunks={}) as lazy:
-            while not ended.is_set():
+            while not ended.wait(0.01):
                 lazy["force"].sum().compute(scheduler="synchronous")
 
     def work(number: int) -> bool:
