@@ -167,16 +167,22 @@ def mirrored(pair: GearPair) -> GearPair:
 
 
 def relieved(
-    pair: GearPair, member: Literal["pinion", "gear"], *, toprem: Relief | None = None, flankrem: Relief | None = None
+    pair: GearPair,
+    member: Literal["pinion", "gear"],
+    *,
+    toprem: Relief | None = None,
+    flankrem: Relief | None = None,
+    nodes: tuple[int, int] | None = None,
 ) -> PairGeometry:
-    """The pair with a toprem or flankrem at a share of a member's depth, on the default grid."""
+    """The pair with a toprem or flankrem at a share of a member's depth, on the default grid if no nodes are given."""
     own = pair.pinion if member == "pinion" else pair.gear
     ends = own.section.points(np.array([0.5, 0.5]), np.array([0.0, 1.0]))
     depth = float(np.linalg.norm(ends[:, 1] - ends[:, 0]))
     low, high = (relief and replace(relief, height=relief.height * depth) for relief in (toprem, flankrem))
     blade = replace(own.loaded.blade, toprem=low, flankrem=high)
     changed = replace(own, loaded=replace(own.loaded, blade=blade))
-    return pair_geometry(replace(pair, pinion=changed) if member == "pinion" else replace(pair, gear=changed))
+    other = replace(pair, pinion=changed) if member == "pinion" else replace(pair, gear=changed)
+    return pair_geometry(other) if nodes is None else pair_geometry(other, nodes)
 
 
 def surfaces(pair: GearPair, nodes: tuple[int, int] = (13, 9)) -> tuple[Flank, EaseOff]:
