@@ -50,7 +50,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.option.loadscopereorder = False
 
 
-#: Pairs whose geometry is kept by a worker.
+#: Pairs, and teeth, whose geometry is kept by a worker.
 GEOMETRY_COUNT = 50
 #: Of the thorough items one in so many is run by ``.ci/run``.
 CI_SHARE = 5
@@ -69,13 +69,15 @@ def patience() -> None:
 
 @pytest.fixture(scope="session", autouse=True)
 def shared_geometry() -> Iterator[None]:
-    """Compute the geometry of a pair once: it is frozen, and depends on the pair and the nodes alone."""
+    """Compute the geometry of a pair, and of a tooth in any pair, once: frozen, it depends on the arguments alone."""
     from shared import Shared, replace_everywhere
 
     from easeoff.geometry.pair.gear_pair import pair_geometry
+    from easeoff.geometry.pair.tooth_body import tooth_body
 
     with pytest.MonkeyPatch.context() as patch:
-        replace_everywhere(patch, pair_geometry, Shared(GEOMETRY_COUNT).once(pair_geometry))
+        for compute in (pair_geometry, tooth_body):
+            replace_everywhere(patch, compute, Shared(GEOMETRY_COUNT).once(compute))
         yield
 
 
