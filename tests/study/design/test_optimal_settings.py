@@ -75,13 +75,20 @@ def quick(minimize: list[str], **options: Any) -> xr.DataTree:
 
 
 @cache
-def begun(*quantities: str) -> AnalysedSettings:
+def first() -> tuple[Workshop, Any]:
+    """Where searches begin, whatever they are for, and what is read there."""
     case = coarse_case()
     space = SettingSpace(case, free_settings(case, ["drive"], TWO))
     state = CaseInMesh.of(case)
     own = state.pair.assembly.misalignment
     rough = Workshop(space, (TORQUE,), (own,), {"drive": state}, np.ones(2))
-    workshop, readings = first_workshop(rough)
+    return first_workshop(rough)
+
+
+@cache
+def begun(*quantities: str) -> AnalysedSettings:
+    workshop, readings = first()
+    space = workshop.space
     bounded = replace(space, free=with_limits(space.free, workshop.units, 100.0, {}))
     searching = SettingSearch(replace(workshop, space=bounded), readings, steps=1)
     aim = Aim(

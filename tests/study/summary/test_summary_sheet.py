@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ET
+from collections.abc import Iterator
 from functools import cache
 from html.parser import HTMLParser
 from pathlib import Path
@@ -15,6 +16,7 @@ import pytest
 from extreme_designs import EXTREMES
 from pairs import by_the_dissertation
 from runs import call, output_of, text_file
+from shared import Shared, replace_everywhere
 
 from easeoff import InputError
 from easeoff.cases import (
@@ -45,6 +47,16 @@ COARSE = MachineResolution(length=0.02, angle=0.02, blade_radius=0.05, blade_ang
 @cache
 def checked(text: str) -> tuple[ToothSpaces | None, tuple[str, ...]]:
     return case_warnings(parse_case(text))
+
+
+@pytest.fixture(scope="module", autouse=True)
+def rounded_once() -> Iterator[None]:
+    """What rounding does to a case is computed once, for its sheet and beside it."""
+    with pytest.MonkeyPatch.context() as patch:
+        once = Shared().once(rounding_effect)
+        replace_everywhere(patch, rounding_effect, once)
+        patch.setitem(globals(), "rounding_effect", once)
+        yield
 
 
 @pytest.fixture(autouse=True)
