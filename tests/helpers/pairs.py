@@ -169,10 +169,11 @@ def mirrored(pair: GearPair) -> GearPair:
 def relieved(
     pair: GearPair,
     member: Literal["pinion", "gear"],
+    nodes: tuple[int, int] | None = None,
+    /,
     *,
     toprem: Relief | None = None,
     flankrem: Relief | None = None,
-    nodes: tuple[int, int] | None = None,
 ) -> PairGeometry:
     """The pair with a toprem or flankrem at a share of a member's depth, on the default grid if no nodes are given."""
     own = pair.pinion if member == "pinion" else pair.gear

@@ -458,7 +458,7 @@ def test_unloaded_error_follows_the_gear_as_its_splines_do() -> None:
 def test_unloaded_error_follows_a_gear_of_several_parts(flank: FlankName) -> None:
     """Parts of the gear flank join at kinks; each has a spline of its own, which others continue."""
     reliefs = {"toprem": Relief(0.3, 0.0, 30.0), "flankrem": Relief(0.6, 0.0, 50.0)}
-    geometry = relieved(gear_pair(read_case("nasa-12x36"), flank), "gear", nodes=(17, 15), **reliefs)
+    geometry = relieved(gear_pair(read_case("nasa-12x36"), flank), "gear", (17, 15), **reliefs)
     cycle = MeshCycle.of(geometry, mesh_positions=4)
     setting = PairSetting("gear", "pressure_angle")
     own = unloaded_slopes(geometry, cycle.lines, [setting], field_slopes(geometry, [setting])).slopes[:, 0]
