@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from generated_part import generated
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from report_content import content
 from runs import output_of, refusal_of, small
+from shared import Shared, replace_everywhere
 
 import easeoff
 from easeoff import GeometryError, InputError, plot
@@ -44,7 +46,7 @@ from easeoff.geometry.cutting.named_settings import (
 from easeoff.geometry.deviation.corrective_settings import GIVEN_UP, LEAST_GIVEN_UP, SetUpFit
 from easeoff.geometry.deviation.deviated_flank import RecutFlank, deviated_member
 from easeoff.geometry.deviation.deviation import Deviation
-from easeoff.geometry.formats import flank_deviation, measured_matrix
+from easeoff.geometry.formats import cmm_points, flank_deviation, measured_matrix
 from easeoff.geometry.pair.gear_pair import Member
 from easeoff.geometry.pair.tooth_body import middle_angle
 from easeoff.geometry.tooth.tooth_flanks import MemberName, Side, side
@@ -64,6 +66,14 @@ from easeoff.verification.correction_loop import (
     views,
     with_errors,
 )
+
+
+@pytest.fixture(scope="module", autouse=True)
+def shared() -> Iterator[None]:
+    """The points at which a member is measured are computed once."""
+    with pytest.MonkeyPatch.context() as patch:
+        replace_everywhere(patch, cmm_points, Shared().once(cmm_points))
+        yield
 
 
 @pytest.mark.parametrize("loop", sorted(CORRECTION_LOOPS, key=lambda loop: "fixed" not in str(loop)))
@@ -451,6 +461,7 @@ def test_settings_that_do_the_same_are_told_and_the_smallest_changes_taken() -> 
     assert only.loose == ()
 
 
+@cache
 def fitted(case: str) -> tuple[SetUpFit, Array]:
     """Fit of a pinion with errors, and its target."""
     seen = views(read_case(case), "pinion")["concave"]
