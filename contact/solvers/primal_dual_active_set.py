@@ -49,8 +49,8 @@ def primal_dual_active_set(
 ) -> ScaledAnswer | None:
     """Solve the scaled problem from a starting set (n); None if it did not end.
 
-    Iterations are linear systems, 40 + n at most by default, or 140: where so many single moves do not help, C is nearly
-    singular. They are of C unless ``solve_set`` solves them.
+    Iterations are linear systems, 40 + n at most by default, or 140: where that many single moves do not help, C is
+    nearly singular. They are of C unless ``solve_set`` solves them.
     """
     active = active.copy()
     limit = 40 + min(active.size, MAX_SINGLE_MOVES) if max_iterations is None else max_iterations
