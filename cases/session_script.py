@@ -88,7 +88,8 @@ MENU_KEYWORDS: dict[str, frozenset[str]] = {
     "HYPOID": frozenset({"GEAR_TYPE"}),
     "COMMON": frozenset({"NTEETH", "HAND", "ROOTANGLE"}).union(*BLANK_KEYWORDS),
     "MACHINE": frozenset({"MODROLL_5040H"}).union(
-        *(*GENERATED_KEYWORDS, *FORMATE_KEYWORDS),
+        *GENERATED_KEYWORDS,
+        *FORMATE_KEYWORDS,
         (f"{letter}{order}" for letter in MOTION_LETTERS for order in MOTION_ORDERS),
     ),
     "CUTTER": frozenset({"TYPE", "RHO"}).union(

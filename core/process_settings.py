@@ -18,8 +18,12 @@ from typing import Any
 #: Numbers of threads, which libraries read when they are loaded. Processes that share a machine take one thread each,
 #: and a comparison is of methods, not of how many cores a library takes.
 THREAD_VARIABLES = (
-    *("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "BLIS_NUM_THREADS"),
-    *("VECLIB_MAXIMUM_THREADS", "RAYON_NUM_THREADS"),
+    "OPENBLAS_NUM_THREADS",
+    "OMP_NUM_THREADS",
+    "MKL_NUM_THREADS",
+    "BLIS_NUM_THREADS",
+    "VECLIB_MAXIMUM_THREADS",
+    "RAYON_NUM_THREADS",
 )
 
 

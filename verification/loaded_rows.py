@@ -107,7 +107,10 @@ GRID_FACTOR, SEGMENTS_FACTOR, POSITIONS_FACTOR, MODES_FACTOR, FINENESS_FACTOR = 
 #: Numbers that tell the state of the solution, or look at the nodes on the common flank, whose border lies between
 #: nodes; and of the greatest pressure all but its value: between two that are nearly as great its place jumps.
 NOT_COMPARED = {
-    *("common_flank", "max_ease_off", "certified_positions", "worst_certificate"),
+    "common_flank",
+    "max_ease_off",
+    "certified_positions",
+    "worst_certificate",
     *(f"max_pressure_{place}" for place in ("lengthwise", "profile", "position", "pair", "line_end")),
 }
 ERRORS, UNLOADED, PLACES = "transmission error", "unloaded transmission error", "shares, ratios and places"

@@ -145,8 +145,17 @@ def load_spot(loaded: xr.Dataset) -> dict[str, tuple[tuple[str, ...], Array]]:
 
 
 READ_BY_TORQUE = [
-    *("status", "transmission_error", "tooth", "separation", "lever_arm", "length", "lengthwise", "profile"),
-    *("force", "pressure", "load_share"),
+    "status",
+    "transmission_error",
+    "tooth",
+    "separation",
+    "lever_arm",
+    "length",
+    "lengthwise",
+    "profile",
+    "force",
+    "pressure",
+    "load_share",
 ]
 
 

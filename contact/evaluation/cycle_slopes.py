@@ -189,8 +189,16 @@ def load_spot_slopes(
 
 #: Variables of the loaded contact that are differentiated.
 OF_LOAD = (
-    *("transmission_error", "mean_level", "peak_to_peak", "harmonic", "rms"),
-    *("load_share", "edge_share", "force", "pressure", "max_pressure"),
+    "transmission_error",
+    "mean_level",
+    "peak_to_peak",
+    "harmonic",
+    "rms",
+    "load_share",
+    "edge_share",
+    "force",
+    "pressure",
+    "max_pressure",
 )
 
 

@@ -80,8 +80,14 @@ def unloaded_numbers(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, A
 
 #: What contact depends on.
 FIELDS = (
-    *("roll_angle", "ease_off_angle", "lever_arm", *BOUNDARY_FIELDS, *SEPARATION_FIELDS),
-    *("position", *DEPTHS, *PASSING_FIELDS),
+    "roll_angle",
+    "ease_off_angle",
+    "lever_arm",
+    *BOUNDARY_FIELDS,
+    *SEPARATION_FIELDS,
+    "position",
+    *DEPTHS,
+    *PASSING_FIELDS,
 )
 BEND_STEP = 1e-4  # of the greatest change of curvature and skew, in a difference of their bounded forms
 

@@ -113,7 +113,10 @@ def _with_derivative(coefficients: tuple[float, ...], order: int, first: int, va
 
 # Formate: no roll. The flank has four degrees of freedom; the fifth setting holds the root.
 FREE_FORMATE_SETTINGS = (
-    *("radial_distance", "cradle_angle", "machine_root_angle", "sliding_base"),
+    "radial_distance",
+    "cradle_angle",
+    "machine_root_angle",
+    "sliding_base",
     "machine_center_to_crossing_point",
 )
 # Generated: the basic cradle angle turns the tooth. Tilt, swivel and modified roll only where the design has them.
@@ -283,7 +286,11 @@ def step_count(value: float, step: float, low: float = -math.inf, high: float = 
 
 ANGLES = ("cradle_angle", "machine_root_angle", "cutter_tilt", "cutter_swivel")
 LENGTHS = (
-    *("radial_distance", "horizontal_distance", "vertical_distance", "work_offset", "sliding_base"),
+    "radial_distance",
+    "horizontal_distance",
+    "vertical_distance",
+    "work_offset",
+    "sliding_base",
     "machine_center_to_crossing_point",
 )
 #: The resolution that each setting takes, but for modified roll and motions.

@@ -23,8 +23,12 @@ from .tooth_body import ShellCoordinates, ToothBody, middle_angle, opposite_surf
 
 #: Fields of an ``EaseOff`` that a result has as they are: numbers, and vectors in space.
 NODE_FIELDS = (
-    *("roll_angle", "lever_arm", "separation_curvature", "separation_skew"),
-    *("pinion_lengthwise", "pinion_profile"),
+    "roll_angle",
+    "lever_arm",
+    "separation_curvature",
+    "separation_skew",
+    "pinion_lengthwise",
+    "pinion_profile",
 )
 NODE_VECTORS = ("action_position", "action_normal")
 STATUS = flag_attributes({int(s): s.name for s in NodeStatus})

@@ -26,15 +26,37 @@ HARMONIC_COUNT = 3  # of the transmission error
 UNLOADED = ("contact_ratio", "pinion_peak_to_peak", *PATTERN)
 LIGHT_LOAD = ("torque", "contact_ratio", *PATTERN)
 LOADED = (
-    *("mean_level", "peak_to_peak", "pinion_mean_level", "pinion_peak_to_peak", "rms", "contact_ratio"),
-    *("max_load_share", *PATTERN, "max_pressure", "max_pressure_lengthwise", "max_pressure_profile"),
-    *("max_pressure_position", "max_pressure_pair", "max_pressure_line_end", "mean_mesh_stiffness"),
+    "mean_level",
+    "peak_to_peak",
+    "pinion_mean_level",
+    "pinion_peak_to_peak",
+    "rms",
+    "contact_ratio",
+    "max_load_share",
+    *PATTERN,
+    "max_pressure",
+    "max_pressure_lengthwise",
+    "max_pressure_profile",
+    "max_pressure_position",
+    "max_pressure_pair",
+    "max_pressure_line_end",
+    "mean_mesh_stiffness",
 )
 FRICTION = (
-    *("efficiency", "mean_power_loss", "mean_rolling_loss", "mean_friction_coefficient"),
-    *("min_film_thickness", "min_film_position", "min_film_lengthwise", "min_film_profile"),
-    *("max_flash_temperature", "max_flash_position", "max_flash_lengthwise", "max_flash_profile"),
-    *("max_contact_temperature", "max_pressure_velocity"),
+    "efficiency",
+    "mean_power_loss",
+    "mean_rolling_loss",
+    "mean_friction_coefficient",
+    "min_film_thickness",
+    "min_film_position",
+    "min_film_lengthwise",
+    "min_film_profile",
+    "max_flash_temperature",
+    "max_flash_position",
+    "max_flash_lengthwise",
+    "max_flash_profile",
+    "max_contact_temperature",
+    "max_pressure_velocity",
 )
 
 
@@ -103,11 +125,18 @@ def key_numbers(result: xr.DataTree | Mapping[str, xr.Dataset]) -> xr.Dataset:
 def number_names(*, friction: bool) -> tuple[str, ...]:
     """Names of the key numbers that vary from result to result, also of those that not every one has."""
     return (
-        *("common_flank", "max_ease_off", "unloaded_peak_to_peak", "unloaded_rms", "unloaded_harmonic"),
+        "common_flank",
+        "max_ease_off",
+        "unloaded_peak_to_peak",
+        "unloaded_rms",
+        "unloaded_harmonic",
         *(f"unloaded_{name}" for name in UNLOADED),
         "geometric_contact_ratio",
         *(name for name in LOADED if name != "max_pressure_line_end"),
-        *("harmonic", "certified_positions", "worst_certificate", "max_edge_share"),
+        "harmonic",
+        "certified_positions",
+        "worst_certificate",
+        "max_edge_share",
         *(f"light_load_{name}" for name in LIGHT_LOAD),
         "max_root_stress",
         *(FRICTION if friction else ()),

@@ -320,7 +320,11 @@ SMALL_FORCE_STEP = 1e-3  # of each force, relative to itself: friction is no lin
 SHORTEST_STEP = 1e-3  # of ``STEP``, below which rounding rules
 LEAST_SHARE = 1e-3  # of a small force that a step leaves
 OF_LOSS = (
-    *("mean_power_loss", "mean_sliding_loss", "mean_rolling_loss", "efficiency", "mean_friction_coefficient"),
+    "mean_power_loss",
+    "mean_sliding_loss",
+    "mean_rolling_loss",
+    "efficiency",
+    "mean_friction_coefficient",
     "input_power",
 )
 

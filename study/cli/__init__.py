@@ -105,8 +105,29 @@ def main() -> None:
 
 
 for _command in (
-    *(run, show, plot, report, sweep, verify, vh, modify, optimize, cases, new, design, sheet, problems, library),
-    *(compare, export, convert, correct, wear, oil, cite, completion),
+    run,
+    show,
+    plot,
+    report,
+    sweep,
+    verify,
+    vh,
+    modify,
+    optimize,
+    cases,
+    new,
+    design,
+    sheet,
+    problems,
+    library,
+    compare,
+    export,
+    convert,
+    correct,
+    wear,
+    oil,
+    cite,
+    completion,
 ):
     main.add_command(_command)
 

@@ -130,7 +130,8 @@ def solver(text: str = "Contact solver; MODULE:FUNCTION for one of your own.") -
 def deviation(text: str, **settings: Any) -> Callable[[Command], Command]:
     """Option ``--deviation`` of a command: files by member, described by a text."""
     return click.option(
-        *("--deviation", "deviations"),
+        "--deviation",
+        "deviations",
         multiple=True,
         shell_complete=deviation_names,
         metavar="MEMBER=FILE",

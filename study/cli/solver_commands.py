@@ -19,8 +19,16 @@ from .word_completion import solver_list
 
 #: Attributes of an analysis that files of its contact problems have as well.
 PROBLEM_ATTRIBUTES = (
-    *("title", "case", "supports_name", "flank", "deflections", "modification_um", "compliance_model"),
-    *("edge_contact", "solver", "easeoff_version"),
+    "title",
+    "case",
+    "supports_name",
+    "flank",
+    "deflections",
+    "modification_um",
+    "compliance_model",
+    "edge_contact",
+    "solver",
+    "easeoff_version",
 )
 
 

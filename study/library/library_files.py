@@ -169,9 +169,21 @@ def single_segment(problem: ContactProblem, _: float) -> ContactProblem:
 CHANGES: dict[str, Callable[[ContactProblem, float], ContactProblem]] = {
     change.__name__: change
     for change in (
-        *(zero_separation, tied_separations, next_contact, scaled_torque, remote_segment, shifted_rotation),
-        *(scaled_local_compliance, twin_segments, copied_segments, copied_tooth_pairs, several_pinions),
-        *(rigid_segment, rigid_half, no_local_compliance, single_segment),
+        zero_separation,
+        tied_separations,
+        next_contact,
+        scaled_torque,
+        remote_segment,
+        shifted_rotation,
+        scaled_local_compliance,
+        twin_segments,
+        copied_segments,
+        copied_tooth_pairs,
+        several_pinions,
+        rigid_segment,
+        rigid_half,
+        no_local_compliance,
+        single_segment,
     )
 }
 

@@ -400,11 +400,22 @@ TORQUE_COUNT_LIMIT = 8  # side by side
 ROW_COUNT_LIMIT = 12  # operating conditions of friction, or load cases
 #: Numbers of the loaded contact that are shown, by the variable that the report names; the rest are in the text.
 SHOWN_NUMBERS = (
-    *("loaded/mean_level", "loaded/peak_to_peak", "loaded/mean_mesh_stiffness", "loaded/contact_ratio"),
-    *("loaded/max_load_share", "loaded/edge_share", "root_stress/max_root_stress", "loaded/status"),
-    *("loaded/pattern_centre_lengthwise", "loaded/pattern_centre_profile", "loaded/pattern_length"),
-    *("loaded/pattern_height", "loaded/max_pressure", "loaded/max_pressure_line_end"),
-    *("loaded/max_pressure_lengthwise", "loaded/max_pressure_profile"),
+    "loaded/mean_level",
+    "loaded/peak_to_peak",
+    "loaded/mean_mesh_stiffness",
+    "loaded/contact_ratio",
+    "loaded/max_load_share",
+    "loaded/edge_share",
+    "root_stress/max_root_stress",
+    "loaded/status",
+    "loaded/pattern_centre_lengthwise",
+    "loaded/pattern_centre_profile",
+    "loaded/pattern_length",
+    "loaded/pattern_height",
+    "loaded/max_pressure",
+    "loaded/max_pressure_line_end",
+    "loaded/max_pressure_lengthwise",
+    "loaded/max_pressure_profile",
 )
 
 

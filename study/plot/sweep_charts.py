@@ -29,8 +29,12 @@ if TYPE_CHECKING:
 
 #: Numbers that are drawn, where a sweep has them.
 DRAWN = (
-    *("peak_to_peak", "max_pressure", "contact_ratio"),
-    *("pattern_centre_lengthwise", "max_root_stress", "efficiency"),
+    "peak_to_peak",
+    "max_pressure",
+    "contact_ratio",
+    "pattern_centre_lengthwise",
+    "max_root_stress",
+    "efficiency",
 )
 #: Names of the pictures of a sweep; which there are depends on what is swept.
 PICTURES = ("sweep_map", "sweep_curves", "sweep_pattern", "sweep_histograms", "sweep_tornado")

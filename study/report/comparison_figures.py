@@ -32,8 +32,18 @@ from .comparison_report import FIGURE_FOLDER, FIGURE_FORMATS, Picture, group_of,
 #: Okabe and Ito's colours without yellow, which is too faint for lines; the first is for the native solver.
 #: Five darker ones follow.
 COLOURS = (
-    *("#222222", "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"),
-    *("#7F4F24", "#6A3D9A", "#808000", "#A50026", "#7A7A7A"),
+    "#222222",
+    "#0072B2",
+    "#D55E00",
+    "#009E73",
+    "#CC79A7",
+    "#E69F00",
+    "#56B4E9",
+    "#7F4F24",
+    "#6A3D9A",
+    "#808000",
+    "#A50026",
+    "#7A7A7A",
 )
 #: Dashes and markers, in numbers that share no factor with each other nor with that of the colours behind the first:
 #: neighbours differ in all three, and lines can be told apart in grey.

@@ -389,9 +389,13 @@ def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[
     )
     points = [
         [
-            *(point.solver, f"{point.tolerance:g}" if point.tolerance else "table", point.problems, point.claimed),
+            point.solver,
+            f"{point.tolerance:g}" if point.tolerance else "table",
+            point.problems,
+            point.claimed,
             point.missed if point.tolerance else NOTHING,
-            *(*map(residual, (point.posed, point.median, point.worst)), milliseconds(point.run_time)),
+            *map(residual, (point.posed, point.median, point.worst)),
+            milliseconds(point.run_time),
         ]
         for point in sorted(statistics.sweep_points(dataset), key=lambda one: (rank[one.solver], -one.tolerance))
     ]

@@ -141,8 +141,14 @@ ROW_COUNT_LIMIT = 60  # of the table of efficiencies
 
 #: Variables of the rows under load that come first.
 FIRST_PATHS = (
-    *("loaded/max_pressure", "loaded/max_pressure_line_end", "loaded/peak_to_peak", "loaded/max_load_share"),
-    *("loaded/contact_ratio", "loaded/edge_share", "root_stress/max_root_stress", "loaded/status"),
+    "loaded/max_pressure",
+    "loaded/max_pressure_line_end",
+    "loaded/peak_to_peak",
+    "loaded/max_load_share",
+    "loaded/contact_ratio",
+    "loaded/edge_share",
+    "root_stress/max_root_stress",
+    "loaded/status",
 )
 
 

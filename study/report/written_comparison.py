@@ -18,8 +18,17 @@ from .comparison_report import FIGURE_FOLDER, FIGURE_FORMATS, TABLE_FOLDER, writ
 #: Names of all tables and figures that a report may have.
 TABLE_NAMES = (
     *(f"answers_{settings}" for settings in SETTINGS),
-    *("certified_by_kind", "run_time", "time_parts", "starts", "pairs", "work_precision", "sweep", "growth"),
-    *("residuals", "violations", "failures"),
+    "certified_by_kind",
+    "run_time",
+    "time_parts",
+    "starts",
+    "pairs",
+    "work_precision",
+    "sweep",
+    "growth",
+    "residuals",
+    "violations",
+    "failures",
 )
 FIGURE_NAMES = ("performance_profile", "data_profile", "pairs", "work_precision", "run_time")
 #: What makes two studies different: their problems, and the methods that are tried on them.

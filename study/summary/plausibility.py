@@ -208,9 +208,21 @@ def jump_notes(loaded: xr.Dataset) -> list[str]:
 
 #: Inputs that the flags of ``/friction/formula_flags`` are about, 1, 2, 4 and so on.
 FLAGGED_INPUTS = (
-    *("slide-to-roll ratio", "pressure", "roughness", "pressure", "radius", "rolling velocity", "roughness"),
-    *("temperature", "lambda ratio", "coefficient", "radius", "rolling velocity", "viscosity"),
-    *("pressure-viscosity coefficient", "lambda ratio"),
+    "slide-to-roll ratio",
+    "pressure",
+    "roughness",
+    "pressure",
+    "radius",
+    "rolling velocity",
+    "roughness",
+    "temperature",
+    "lambda ratio",
+    "coefficient",
+    "radius",
+    "rolling velocity",
+    "viscosity",
+    "pressure-viscosity coefficient",
+    "lambda ratio",
 )
 INPUTS = {2**bit: name for bit, name in enumerate(FLAGGED_INPUTS)}
 #: Least part of the power loss that is told: a pitch line, where nothing slides, has one or two per cent.

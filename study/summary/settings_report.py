@@ -24,8 +24,13 @@ from .quantities import OPTIMIZED
 from .table import Table
 
 ANGLES = (
-    *("pressure_angle", "rake_angle", "hook_angle", "cradle_angle", "machine_root_angle"),
-    *("cutter_tilt", "cutter_swivel"),
+    "pressure_angle",
+    "rake_angle",
+    "hook_angle",
+    "cradle_angle",
+    "machine_root_angle",
+    "cutter_tilt",
+    "cutter_swivel",
 )
 MEMBER_ROWS = (
     ("pitch angle [deg]", "pitch_angle"),

@@ -22,9 +22,17 @@ from .table import Table, filled, underlined
 
 #: Numbers that are shown, where a sweep has them.
 MAIN_NUMBERS = (
-    *("peak_to_peak", "max_pressure", "contact_ratio", "max_edge_share"),
-    *("pattern_centre_lengthwise", "pattern_centre_profile", "pattern_length"),
-    *("max_root_stress", "efficiency", "min_film_thickness", "max_flash_temperature"),
+    "peak_to_peak",
+    "max_pressure",
+    "contact_ratio",
+    "max_edge_share",
+    "pattern_centre_lengthwise",
+    "pattern_centre_profile",
+    "pattern_length",
+    "max_root_stress",
+    "efficiency",
+    "min_film_thickness",
+    "max_flash_temperature",
 )
 SENSITIVE_NUMBERS = ("peak_to_peak", "max_pressure", "pattern_centre_lengthwise")
 SHOWN_PERCENT = (0.0, 5.0, 50.0, 95.0, 100.0)
@@ -230,8 +238,14 @@ def wear_summary(history: xr.Dataset) -> str:
 
 HEADERS = ("", "V\nmm", "H\nmm", "centre at\ntoe, root %", "from, to\ntoe %", "height\n%", LOADED["peak_to_peak"])
 VARIABLES = (
-    *("v", "h", "pattern_centre_lengthwise", "pattern_centre_profile"),
-    *("pattern_from", "pattern_to", "pattern_height", "peak_to_peak"),
+    "v",
+    "h",
+    "pattern_centre_lengthwise",
+    "pattern_centre_profile",
+    "pattern_from",
+    "pattern_to",
+    "pattern_height",
+    "peak_to_peak",
 )
 #: What V and H are positive for, one phrase each.
 SIGNS = ("V positive: the offset grows (E)", "H positive: pinion away from the crossing point (P)")

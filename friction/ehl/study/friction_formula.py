@@ -154,8 +154,14 @@ class FrictionFormula:
             within 15 % of the other's at the same viscosity.
         """
         logarithms, material, modulus = logarithms_of(
-            *(hertz_pressure, equivalent_radius, rolling_velocity, slide_to_roll),
-            *(viscosity, pressure_viscosity, composite_roughness, contact_modulus),
+            hertz_pressure,
+            equivalent_radius,
+            rolling_velocity,
+            slide_to_roll,
+            viscosity,
+            pressure_viscosity,
+            composite_roughness,
+            contact_modulus,
         )
         usual = self._usual_material(logarithms)
         inside = ~np.any(self._beyond(logarithms), axis=-1) & (np.abs(material - usual) <= OIL_TOLERANCE)
@@ -314,8 +320,17 @@ def shared(odds: Array, logarithm: Array, boundary_friction: float) -> Array:
 REGIMES = (0.0, 0.2, 0.5, 1.0, 3.0, math.inf)
 #: What of a study a fit needs.
 FITTED_VARIABLES = (
-    *("contact_pressure", "contact_radius", "rolling_velocity", "slide_to_roll", "temperature"),
-    *("roughness_1", "roughness_2", "status", "friction_coefficient", "film_friction", "asperity_share"),
+    "contact_pressure",
+    "contact_radius",
+    "rolling_velocity",
+    "slide_to_roll",
+    "temperature",
+    "roughness_1",
+    "roughness_2",
+    "status",
+    "friction_coefficient",
+    "film_friction",
+    "asperity_share",
 )
 FOLDS = 10
 FEWEST_CASES = 3 * len(TERMS)

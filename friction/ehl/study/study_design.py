@@ -323,8 +323,16 @@ Row = dict[str, float]
 
 #: Numbers of a row besides the condition and the status; NaN where there is no answer.
 NUMBERS = (
-    *("film_friction", "asperity_friction", "asperity_share", "mean_film", "smooth_film", "lambda_ratio"),
-    *("certified_share", "newton_steps", "nodes", "run_time"),
+    "film_friction",
+    "asperity_friction",
+    "asperity_share",
+    "mean_film",
+    "smooth_film",
+    "lambda_ratio",
+    "certified_share",
+    "newton_steps",
+    "nodes",
+    "run_time",
 )
 
 

@@ -18,7 +18,9 @@ DepthTaper = Literal["standard", "uniform", "constant_slot_width", "modified_slo
 
 BACKLASHES = ("outer_normal_backlash", "outer_transverse_backlash", "mean_normal_backlash", "mean_transverse_backlash")
 DATA_TYPE_1 = (
-    *("profile_shift_coefficient", "basic_addendum_factor", "basic_dedendum_factor"),
+    "profile_shift_coefficient",
+    "basic_addendum_factor",
+    "basic_dedendum_factor",
     "thickness_modification_coefficient",
 )
 DATA_TYPE_2 = ("gear_mean_addendum_factor", "depth_factor", "clearance_factor")
