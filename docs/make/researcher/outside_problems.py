@@ -17,7 +17,7 @@ from easeoff.contact import ContactProblem, write_problems
 Array = NDArray[np.float64]
 
 #: Numbers of unknowns of the problems in the comparison.
-SIZES = (50, 150, 400)
+SIZES = (50, 150)
 #: Their kinds, in the order of the file, and what they are.
 KINDS = {
     "portfolio": "least variance without short sales, of fewer observations than assets: singular",
