@@ -12,12 +12,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import lzma
 import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pandas as pd
 from folders import IMAGES, NOTES, RESEARCHER
 from generated_part import with_generated
 from outside_problems import KINDS, write_outside
@@ -114,8 +114,9 @@ def outside_table(table: Any) -> str:
         for kind in KINDS:
             found = of_method(problems, (solver, "scaled", "cold"))
             found = found[found["kind"] == kind]
-            time = _mean(found["call_time"].where(found["certified"]), limit)
-            row.append(f"{int(found['certified'].sum())}: {milliseconds(time)}")
+            count = int(found["certified"].sum())
+            time = milliseconds(_mean(found["call_time"].where(found["certified"]), limit))
+            row.append(f"{count}: {time}" if count else "0")
         rows.append(row)
     return _table(["certified: bare [ms]", *KINDS], rows)
 
@@ -221,7 +222,8 @@ def updated(page: str, table: Any) -> str:
 def keep(folder: Path) -> None:
     """Keep measurements and environment beside the pages: all attempts, the machine, versions, files of problems."""
     KEPT.mkdir(exist_ok=True)
-    (KEPT / "results.csv.xz").write_bytes(lzma.compress((folder / "comparison" / "results.csv").read_bytes()))
+    attempts = pd.read_csv(folder / "comparison" / "results.csv")
+    attempts.to_csv(KEPT / "results.csv.xz", float_format="%.5g", index=False, lineterminator="\n")
     attributes = dict(read_table(folder / "comparison" / "results.nc").attrs)
     environment = {name: _plain(value) for name, value in attributes.items()}
     environment["files"] = {
