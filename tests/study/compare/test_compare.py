@@ -135,8 +135,9 @@ def lies(file: Path, tmp_path_factory: pytest.TempPathFactory) -> xr.Dataset:
     """A comparison of a solver that lies with an honest one, in all settings."""
     solvers = ["fake_solvers:lie", "osqp"]
     folder = tmp_path_factory.mktemp("lies")
-    kinds = {"polish": True, "raw": True, "defaults": True}
-    return compare([file], folder, solvers=solvers, repetitions=1, time_limit=LIMIT, **kinds)
+    return compare(
+        [file], folder, solvers=solvers, repetitions=1, time_limit=LIMIT, polish=True, raw=True, defaults=True
+    )
 
 
 @pytest.fixture(scope="module")
