@@ -24,7 +24,7 @@ from ...core.arrays import Array, Bools
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..summary.curves import torque_name
 from .axes_style import legend_at_foot, panel_titles
-from .drawing_style import picture
+from .matplotlib_defaults import picture
 from .mesh_cycle_charts import draw_surface, pressure_levels
 from .panel_grid import AxesChoice, chosen_parts, panels, require_result
 from .style import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH

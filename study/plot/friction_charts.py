@@ -27,7 +27,7 @@ from ..summary.plausibility import TOLD_SHARE, range_notes
 from ..summary.quantities import CONDITION_LABELS, CONDITION_UNITS, roughness_words, value_name
 from .axes_style import label_axes, legend_of_curves, panel_titles, plain_axes, plain_bar, torque_colours
 from .contours import drop_short, number_lines, outlined, points_per_unit, triangulated, without_border, without_steep
-from .drawing_style import picture
+from .matplotlib_defaults import picture
 from .page import in_print
 from .panel_grid import TORQUE_TOLERANCE, AxesChoice, chosen_parts, evenly_chosen, middle, panels, require_result
 from .style import BODY_SIZE, GREY, INK, SMALL_SIZE, WIDTH

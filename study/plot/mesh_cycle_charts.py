@@ -28,7 +28,7 @@ from ..summary import curves
 from ..summary.curves import Chart, torque_name
 from ..summary.plausibility import edge_notes, jump_notes
 from .axes_style import label_axes, legend_of_curves, panel_titles, plain_axes, plain_bar, plain_legend, torque_colours
-from .drawing_style import picture
+from .matplotlib_defaults import picture
 from .page import SEPARATOR, in_print
 from .panel_grid import AxesChoice, chosen_parts, chosen_torques, evenly_chosen, panels, require_result
 from .style import BLUE, FAINT, GREEN, GREY, INK, PRESSURE_MAP, SMALL_SIZE, VERMILION, WIDTH

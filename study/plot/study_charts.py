@@ -20,7 +20,7 @@ from ..summary.quantities import TITLES, UNIT_SIGNS
 from ..summary.sweep_report import SIGNS, totals
 from .axes_style import label_axes, legend_of_curves, panel_titles, plain_axes, plain_bar, plain_legend, torque_colours
 from .contact_pattern_chart import COMPOUND
-from .drawing_style import picture
+from .matplotlib_defaults import picture
 from .page import SEPARATOR, page
 from .panel_grid import AxesChoice, chosen_parts, evenly_chosen, panels, require_result
 from .style import BLUE, BODY_SIZE, FAINT, GREEN, GREY, INK, PAPER, SMALL_SIZE, VERMILION, WIDTH

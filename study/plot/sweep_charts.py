@@ -19,7 +19,7 @@ from ..summary.sweep_report import outcome
 from ..sweep.reductions import LOADS, ROWS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
 from ..sweep.sweep_file import is_sweep
 from .axes_style import legend_at_foot, plain_axes, plain_bar, plain_legend, torque_colours
-from .drawing_style import picture
+from .matplotlib_defaults import picture
 from .panel_grid import AxesChoice, chosen_parts, evenly_chosen, panels
 from .style import BLUE, BODY_SIZE, FAINT, GREY, INK, VERMILION
 

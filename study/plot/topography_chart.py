@@ -27,7 +27,7 @@ from ..summary.quantities import TITLES
 from .axes_style import label_axes, plain_axes, plain_bar, plain_legend
 from .contact_pattern_chart import draw_path, legend_below, unloaded_pattern
 from .contours import number_lines, outlined
-from .drawing_style import drawing, picture
+from .matplotlib_defaults import drawing, picture
 from .page import FORMATS, save
 from .panel_grid import AxesChoice, chosen_parts, panels, require_result
 from .style import BLUE, FAINT, GREY, INK, SMALL_SIZE, VERMILION, WIDTH

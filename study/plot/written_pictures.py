@@ -23,8 +23,8 @@ from ..result import VARIABLES, checked_given, read_result
 from ..summary.assembly import misalignment_over_torque
 from ..sweep.sweep_file import checked_sweep, is_sweep
 from .contact_pattern_chart import contact_pattern
-from .drawing_style import drawing
 from .friction_charts import efficiency, friction_maps
+from .matplotlib_defaults import drawing
 from .mesh_cycle_charts import load_sharing, pressure, root_stress, transmission_error
 from .page import FORMATS, save
 from .panel_grid import chosen_parts, chosen_torques

@@ -12,7 +12,7 @@ from ...core.checks import file_path
 from ...core.errors import InputError
 from ..compare.attempt import SETTINGS
 from ..compare.comparison_table import TABLE_FILE, read_table, write_table
-from ..plot.drawing_style import drawing
+from ..plot.matplotlib_defaults import drawing
 from .comparison_report import FIGURE_FOLDER, FIGURE_FORMATS, TABLE_FOLDER, write_report
 
 #: Names of all tables and figures that a report may have.

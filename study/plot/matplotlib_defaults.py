@@ -1,4 +1,4 @@
-"""Style of the drawing library: its own defaults, in whatever folder and with whatever configuration it runs."""
+"""Defaults of matplotlib, the same in whatever folder and with whatever configuration it runs."""
 
 from __future__ import annotations
 
