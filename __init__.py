@@ -69,7 +69,7 @@ def __getattr__(name: str) -> Any:
 
 
 def _hint(name: str) -> str:
-    """Where a name of a sub-package is, or the nearest name, as the end of a phrase."""
+    """Place of a name in a sub-package, or the nearest name, as the end of a phrase."""
     if name.startswith("_") or __name__ != "easeoff":
         return ""  # a test runner asks an unpacked source distribution, where nothing is compiled, for names of its own
     wanted = {"report": "write_report"}.get(name, name)

@@ -28,12 +28,12 @@ source_digest = runpy.run_path("core/kernels.py")["source_digest"]
 
 
 def get_requires_for_build_wheel(config_settings: Any = None) -> list[str]:
-    """What a wheel needs: a compiler among it, where there is none."""
+    """Requirements of a wheel: a compiler among them, where there is none."""
     return [*build_meta.get_requires_for_build_wheel(config_settings), *_compiler()]
 
 
 def get_requires_for_build_editable(config_settings: Any = None) -> list[str]:
-    """What an installation in place needs: a compiler among it, where there is none."""
+    """Requirements of an installation in place: a compiler among them, where there is none."""
     return [*build_meta.get_requires_for_build_editable(config_settings), *_compiler()]
 
 
@@ -42,7 +42,7 @@ def _compiler() -> list[str]:
 
 
 def _has_compiler() -> bool:
-    """Whether the compiler is on the path that Python was built with, or that ``CC`` names."""
+    """True if the compiler is on the path that Python was built with, or that ``CC`` names."""
     command = shlex.split(os.environ.get("CC") or sysconfig.get_config_var("CC") or "cc")
     return shutil.which(command[0]) is not None
 

@@ -105,8 +105,8 @@ def _pieces(value: Any, left: int = VALUE_LENGTH) -> Iterator[str]:
         yield str(value).lower() if isinstance(value, bool) else repr(value)
 
 
-def _allowed(model: type[BaseModel], item: Any, told: set[tuple[Any, ...]]) -> str:
-    """Values allowed, in plain words; the keys of a table are listed once, and the table is then one of ``told``."""
+def _allowed(model: type[BaseModel], item: Any, tables: set[tuple[Any, ...]]) -> str:
+    """Values allowed, in plain words; the keys of a table are listed once, and the table is then one of ``tables``."""
     kind, context = item["type"], item.get("ctx", {})
     if kind == "missing":
         return "is missing; it must be given"
@@ -115,8 +115,8 @@ def _allowed(model: type[BaseModel], item: Any, told: set[tuple[Any, ...]]) -> s
         known = _known_keys(model, table)
         near = suggestion(str(item["loc"][-1]), known)
         place = f"[{'.'.join(map(str, table))}]" if table else f"a {model.__name__.lower()} file"
-        listed = "" if table in told else f"; known are: {', '.join(known)}"
-        told.add(table)
+        listed = "" if table in tables else f"; known are: {', '.join(known)}"
+        tables.add(table)
         others = _tables_with(model, str(item["loc"][-1]))
         there = f"; it is one of {' and '.join(others)}, whose line must stand above it" if others else near
         return f"is not a key of {place}{listed}{there}"

@@ -155,19 +155,19 @@ def stem(name_or_path: str | Path) -> str:
     return printable(file_path("path", name_or_path).stem)[:NAME_LENGTH_LIMIT]
 
 
-def _require_possible(found: Case | Design | SupportFile) -> None:
+def _require_possible(file: Case | Design | SupportFile) -> None:
     """Refuse radii in inches, basic data that make no blanks, and supports that do not hold."""
-    if isinstance(found, SupportFile):
+    if isinstance(file, SupportFile):
         return  # to be checked with the case whose axes they hold
-    if found.blank_design is not None:
-        refuse_inches(found.blank_design)
+    if file.blank_design is not None:
+        refuse_inches(file.blank_design)
         from .conversion import designed_blanks
 
-        designed_blanks(found.blank_design, (found.pinion.number_of_teeth, found.gear.number_of_teeth), found.pair)
-    if isinstance(found, Case) and found.supports is not None:
+        designed_blanks(file.blank_design, (file.pinion.number_of_teeth, file.gear.number_of_teeth), file.pair)
+    if isinstance(file, Case) and file.supports is not None:
         from .support_conversion import support_system
 
-        support_system(found)
+        support_system(file)
 
 
 OF_SUPPORTS = "a file of supports: give it beside a case with --supports {0}"

@@ -255,8 +255,8 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
 def _hand(settings: Mapping[MenuPath, Settings], notes: list[str]) -> str:
     """Hand of the pinion, RIGHT or LEFT."""
     places = ((("", "", "PAIRS"), "HAND_PINION"), (("PINION", "", "COMMON"), "HAND"))
-    found = [settings.get(menu, {}).get(keyword) for menu, keyword in places]
-    given = [setting.word("LEFT", "RIGHT") for setting in found if setting is not None]
+    hands = [settings.get(menu, {}).get(keyword) for menu, keyword in places]
+    given = [setting.word("LEFT", "RIGHT") for setting in hands if setting is not None]
     if not given:
         raise InputError("the hand of the pinion is missing: HAND_PINION in PAIRS, or HAND in COMMON of ROTOR 1")
     if len(set(given)) > 1:

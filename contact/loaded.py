@@ -262,15 +262,15 @@ class CycleSolver:
         return loaded_dataset(segments, cases, torques, cycle.on_lines.lines.rotations), cases
 
     def cases(
-        self, cycle: CycleSegments, torques: Array, held: HeldMembers | None = None
+        self, cycle: CycleSegments, torques: Array, members: HeldMembers | None = None
     ) -> tuple[list[Segments | None], list[LoadedCase]]:
         """Segments that may touch at every mesh position, and the solved cases.
 
-        With supports (``held``), the segments must know their wrenches.
+        With supports (``members``), the segments must know their wrenches.
         """
 
         def on_supports(segments: list[Segments | None]) -> list[Segments | None]:
-            return segments if held is None else held.holding(segments)
+            return segments if members is None else members.holding(segments)
 
         count = cycle.on_lines.lines.rotations.size
         if self.greater:
@@ -283,13 +283,13 @@ class CycleSolver:
             return segments, self.solved(segments, torques)
         # Edges can only hold the pair back: with contact on lines alone it turns farther.
         some = on_supports(cycle.to_edges.at_every(max(count // EDGE_SEARCH_POSITIONS, 1)))
-        turned = _turned(CycleSolver(self.ratio).solved(some, np.array([torques.max()])), count, held)
+        turned = _turned(CycleSolver(self.ratio).solved(some, np.array([torques.max()])), count, members)
         farthest = EDGE_SEARCH_ROTATION_FACTOR * max(float(turned.max()), EDGE_SEARCH_ROTATION_MINIMUM)
         widest, solver = np.full(count, farthest), self
         while True:
             segments = on_supports(cycle.with_edges(widest))
             cases = solver.solved(segments, torques)
-            turned = _turned(cases, count, held)
+            turned = _turned(cases, count, members)
             # Where there is no line the pair turns until edges hold it, and may meet further ones.
             turned[[group is None for group in segments]] = 2.0 * widest.max()
             if np.all((turned <= widest) | (widest > EDGE_SEARCH_ROTATION_LIMIT)):
@@ -311,11 +311,11 @@ class CycleSolver:
         return sorted(cases, key=lambda case: (case.mesh_position, float(torques[case.torque])))
 
 
-def _turned(cases: list[LoadedCase], positions: int, held: HeldMembers | None) -> Array:
+def _turned(cases: list[LoadedCase], positions: int, members: HeldMembers | None) -> Array:
     """Greatest gap that closes at every mesh position, as a gear rotation [rad]; zero where nothing was solved."""
     turned = np.zeros(positions)
     for case in cases:
         if case.solution.certified:
-            closing = 0.0 if held is None else held.closing(case.segments, case.solution.force)
+            closing = 0.0 if members is None else members.closing(case.segments, case.solution.force)
             turned[case.mesh_position] = max(turned[case.mesh_position], case.solution.rotation + closing)
     return turned

@@ -147,7 +147,7 @@ def group_dataset(group: Any) -> xr.Dataset:
 
 
 def _read(path: str | os.PathLike[str], content: Callable[[Any], Content], *, square: bool = False) -> Content:
-    """What a function takes from an open netCDF file, in a process of its own."""
+    """Content that a function takes from an open netCDF file, in a process of its own."""
     # Loaded here, once for all files: both libraries, and what xarray loads for the first index and variable.
     for library in ("netCDF4", "h5py"):
         importlib.import_module(library)
@@ -155,9 +155,9 @@ def _read(path: str | os.PathLike[str], content: Callable[[Any], Content], *, sq
 
     def read() -> Content:
         with _opened(path, square=square) as file:
-            found = content(file)
-        found.encoding["source"] = os.path.abspath(path)  # as xarray does
-        return found
+            result = content(file)
+        result.encoding["source"] = os.path.abspath(path)  # as xarray does
+        return result
 
     try:
         return in_forked_process(read)

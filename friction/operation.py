@@ -127,8 +127,8 @@ class Operation:
             raise InputError(f"roughness = {given!r}: must be values that differ; of a pair the quadratic mean counts")
         if self.bulk_temperature is not None:
             number("bulk_temperature", self.bulk_temperature, "degC", above=ABSOLUTE_ZERO, most=BULK_TEMPERATURE_LIMIT)
-        found = {"speeds": speeds, "temperatures": temperatures, "roughnesses": flat, "lubricant": lubricant(self.oil)}
-        for name, value in found.items():
+        values = {"speeds": speeds, "temperatures": temperatures, "roughnesses": flat, "lubricant": lubricant(self.oil)}
+        for name, value in values.items():
             object.__setattr__(self, name, value)
 
     @property

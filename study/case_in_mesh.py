@@ -243,8 +243,8 @@ class CaseInMesh:
         assemblies: dict[Misalignment, list[int]] = {}
         for number, torque in enumerate(torques):
             assemblies.setdefault(self.deflections.at(float(torque), self.flank), []).append(number)
-        constant, here = replace(self, deflections=None), self.pair.assembly.misalignment
-        return [(tuple(at), constant if one == here else self.misaligned(one)) for one, at in assemblies.items()]
+        constant, errors = replace(self, deflections=None), self.pair.assembly.misalignment
+        return [(tuple(at), constant if one == errors else self.misaligned(one)) for one, at in assemblies.items()]
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -256,21 +256,21 @@ def _front_faults(tree: xr.DataTree) -> Iterator[str]:
             yield f"{name!r} must be as in optimal_settings"
 
 
-def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
+def require_layout(name: str, dataset: xr.Dataset, kind: str) -> None:
     """Refuse a V-H check or wear (``kind``) that lacks a part to be shown or drawn, or has it in another form."""
-    faults = [*_LAYOUTS[kind].faults(found), *form_faults(found)]
-    faults += attribute_faults(found.attrs, OF_A_PAIR, needed=True)
-    faults += attribute_faults(found.attrs, OPTIONAL_ATTRIBUTES[""], needed=False)
-    faults += attribute_faults(found.attrs, {"separation": "number"}, needed=kind == "V-H check")
-    faults += _counted_faults(found)
-    for dimension, size in found.sizes.items():
+    faults = [*_LAYOUTS[kind].faults(dataset), *form_faults(dataset)]
+    faults += attribute_faults(dataset.attrs, OF_A_PAIR, needed=True)
+    faults += attribute_faults(dataset.attrs, OPTIONAL_ATTRIBUTES[""], needed=False)
+    faults += attribute_faults(dataset.attrs, {"separation": "number"}, needed=kind == "V-H check")
+    faults += _counted_faults(dataset)
+    for dimension, size in dataset.sizes.items():
         if size < LEAST_SIZES.get(str(dimension), 1):
             faults.append(f"{size} values along {dimension}, expected more")
     if not faults:
         known = {"position": KNOWN_SHARE} if kind == "wear" else dict.fromkeys(("in_plane", *PLACES), 1.0)
-        faults += [f"{one!r} must hold finite numbers" for one in known if _share(found, one) < known[one]]
+        faults += [f"{one!r} must hold finite numbers" for one in known if _share(dataset, one) < known[one]]
     if not faults and kind == "V-H check":
-        plane = found["in_plane"].transpose("plane_axis", ...).values.reshape(2, -1)
+        plane = dataset["in_plane"].transpose("plane_axis", ...).values.reshape(2, -1)
         if not np.all(np.ptp(plane, axis=1) > FLANK_SIZE_MINIMUM):
             faults.append("'in_plane' must hold the flank's points")
     if faults:
@@ -279,26 +279,26 @@ def require_layout(name: str, found: xr.Dataset, kind: str) -> None:
         )
 
 
-def _counted_faults(found: xr.Dataset) -> Iterator[str]:
+def _counted_faults(dataset: xr.Dataset) -> Iterator[str]:
     """Dimensions that do not count what they should."""
     for dimension, names in COUNTED.items():
-        if dimension in found.sizes and [str(one) for one in found[dimension].values.tolist()] != names:
+        if dimension in dataset.sizes and [str(one) for one in dataset[dimension].values.tolist()] != names:
             yield f"{dimension!r} must be {', '.join(names)}"
 
 
-def _share(found: xr.Dataset, name: str) -> float:
+def _share(dataset: xr.Dataset, name: str) -> float:
     """Part of the numbers of a variable that are finite."""
-    values = found[name].values if name in found else np.empty(0)
+    values = dataset[name].values if name in dataset else np.empty(0)
     return float(np.isfinite(values).mean()) if values.dtype.kind in "fiu" and values.size else 0.0
 
 
-def attribute_faults(own: Mapping[Any, Any], kinds: Mapping[str, AttributeKind], *, needed: bool) -> list[str]:
+def attribute_faults(attributes: Mapping[Any, Any], kinds: Mapping[str, AttributeKind], *, needed: bool) -> list[str]:
     """Attributes that are missing, if needed, or of another kind: text, one of some, number or vector of a length."""
     return [
         f"no {' or '.join(kind) if isinstance(kind, tuple) else 'vector' if isinstance(kind, int) else kind} in the "
         f"attribute {key!r}"
         for key, kind in kinds.items()
-        if (needed or key in own) and not _is(kind, own.get(key), known=key not in OF_UNLOADED)
+        if (needed or key in attributes) and not _is(kind, attributes.get(key), known=key not in OF_UNLOADED)
     ]
 
 
@@ -387,12 +387,12 @@ def variable_faults(group: xr.Dataset, variables: Mapping[tuple[str, ...], tuple
                 yield f"no numbers {name!r} over {', '.join(dimensions)}"
 
 
-def _fits(found: tuple[Any, ...], dimensions: tuple[str, ...]) -> bool:
+def _fits(stored: tuple[Any, ...], dimensions: tuple[str, ...]) -> bool:
     """True if dimensions are those of a layout; numbers of segments may be of further conditions, in their order."""
-    return found == dimensions or (
+    return stored == dimensions or (
         "segment" in dimensions
-        and {*dimensions} <= {*found}
-        and found == tuple(one for one in (*SEGMENTS, *CONDITIONS[1:]) if one in found)
+        and {*dimensions} <= {*stored}
+        and stored == tuple(one for one in (*SEGMENTS, *CONDITIONS[1:]) if one in stored)
     )
 
 

@@ -139,18 +139,18 @@ class PatternSearch:
         self.evaluations += 1
         return self.centre(displacement)
 
-    def _slope(self, here: Array, centre: Array) -> Array:
+    def _slope(self, known: Array, centre: Array) -> Array:
         """Derivatives (2, 2) of the centre by V and H, forward."""
         size = DIFFERENCE_SHARE * self.face
-        return np.stack([(self._centre(here + step) - centre) / size for step in size * np.eye(2)], axis=1)
+        return np.stack([(self._centre(known + step) - centre) / size for step in size * np.eye(2)], axis=1)
 
-    def _step(self, here: Array, wanted: Array, slope: Array) -> tuple[Array, bool]:
+    def _step(self, centre: Array, wanted: Array, slope: Array) -> tuple[Array, bool]:
         """Step (2) towards a change of the centre (2), not too long and within the range; whether that cut it."""
         step = np.linalg.lstsq(slope, wanted, rcond=1e-6)[0]
         longest = STEP_SHARE * self.face
         step = step * min(1.0, longest / max(float(np.linalg.norm(step)), 1e-300))
-        cut = bool(np.any(np.abs(here + step) > self.reach))
-        return (np.clip(here + step, -self.reach, self.reach) - here, True) if cut else (step, False)
+        cut = bool(np.any(np.abs(centre + step) > self.reach))
+        return (np.clip(centre + step, -self.reach, self.reach) - centre, True) if cut else (step, False)
 
 
 PLACES = ("toe", "middle", "heel")
@@ -205,10 +205,10 @@ class ShiftedPatterns:
         return np.full(2, np.nan) if pattern is None else np.asarray(pattern.region.centre * self.size)
 
 
-def found_dataset(found: Mapping[str, Found], places: Array, patterns: ShiftedPatterns) -> xr.Dataset:
+def found_dataset(searches: Mapping[str, Found], places: Array, patterns: ShiftedPatterns) -> xr.Dataset:
     """Results of the search at the places (3, 2), as fractions; NaN where the pattern cannot be brought there."""
-    shifts = np.array([one.displacement for one in found.values()])
-    shifts[[one.status != PatternStatus.REACHED for one in found.values()]] = np.nan
+    shifts = np.array([one.displacement for one in searches.values()])
+    shifts[[one.status != PatternStatus.REACHED for one in searches.values()]] = np.nan
     numbers, prints = _numbers([patterns.at(shift) if np.all(np.isfinite(shift)) else None for shift in shifts])
     total = shifts[-1] - shifts[0]
     meanings = PatternStatus.flag_attributes() | {"long_name": "how the search for the place ended"}
@@ -218,7 +218,7 @@ def found_dataset(found: Mapping[str, Found], places: Array, patterns: ShiftedPa
         "place_lengthwise": ("place", places[:, 0]),
         "place_profile": ("place", places[:, 1]),
         **{name: ("place", values) for name, values in numbers.items()},
-        "status": ("place", np.array([one.status for one in found.values()], dtype=np.int8), meanings),
+        "status": ("place", np.array([one.status for one in searches.values()], dtype=np.int8), meanings),
         "total_v": total[0],
         "total_h": total[1],
         "h_over_v": total[1] / total[0] if total[0] else np.nan,
@@ -226,27 +226,27 @@ def found_dataset(found: Mapping[str, Found], places: Array, patterns: ShiftedPa
     }
     axes = [np.linspace(0.0, 1.0, n) for n in STORED_GRID]
     in_plane = patterns.plane(np.stack(np.meshgrid(*axes, indexing="ij")))
-    reasons = {f"reason_{name}": _reason(one, patterns.size) for name, one in found.items() if REASONS[one.status]}
+    reasons = {f"reason_{name}": _reason(one, patterns.size) for name, one in searches.items() if REASONS[one.status]}
     data["in_plane"] = (("plane_axis", "lengthwise", "profile"), in_plane)
     coords = {"place": list(PLACES), "plane_axis": ["along", "across"], "lengthwise": axes[0], "profile": axes[1]}
     return xr.Dataset(data, coords, reasons)
 
 
-def _reason(found: Found, size: Array) -> str:
+def _reason(search: Found, size: Array) -> str:
     """Why a place is not reached, and how near the pattern came."""
-    said = REASONS[found.status]
-    if not np.all(np.isfinite(found.centre)):
+    said = REASONS[search.status]
+    if not np.all(np.isfinite(search.centre)):
         return said
-    (v, h), (along, up) = found.displacement, 100.0 * found.centre / size
+    (v, h), (along, up) = search.displacement, 100.0 * search.centre / size
     return f"{said}; nearest: centre {along:.1f}, {up:.1f} % from toe, root at V = {v:.4f}, H = {h:.4f} mm"
 
 
-def grid_dataset(found: xr.Dataset, counts: tuple[int, int], patterns: ShiftedPatterns) -> xr.Dataset:
+def grid_dataset(check: xr.Dataset, counts: tuple[int, int], patterns: ShiftedPatterns) -> xr.Dataset:
     """Patterns at round, even values of V and H around those that were found, and around zero."""
     face = float(patterns.size[0])
     axes = []
     for name, count in zip(("v", "h"), counts, strict=True):
-        values = np.append(found[name].values[np.isfinite(found[name].values)], 0.0)
+        values = np.append(check[name].values[np.isfinite(check[name].values)], 0.0)
         margin = max(GRID_MARGIN * float(np.ptp(values)), GRID_MINIMUM * face)
         axes.append(round_values(values.min() - margin, values.max() + margin, count))
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)

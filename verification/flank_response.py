@@ -72,14 +72,14 @@ LOAD_DISTANCE_LIMIT = 0.02  # [mm]
 
 
 def surface_compliance(
-    nodes: Array, cells: Integers, held: Integers, material: Material, loaded: Integers, normal: Array
+    nodes: Array, cells: Integers, fixed: Integers, material: Material, loaded: Integers, normal: Array
 ) -> Array:
     """Displacements (k, k) [mm/N] into the body by unit forces into it at nodes (k) of a smooth surface.
 
     None on its edge; normals point outwards. The diagonal has what the body adds to the half space. Fails if a brick is
     turned inside out.
     """
-    body = elastic_body(nodes, cells, held, material)
+    body = elastic_body(nodes, cells, fixed, material)
     near = _near(nodes, cells, loaded, normal)
     field_matrix = stiffness(nodes, near, material).tocsr()
     points, weighted_normals, onto_nodes = _faces(nodes, near)

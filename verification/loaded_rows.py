@@ -298,10 +298,10 @@ def unsplit_rows(contact: UnsplitContact, solutions: dict[tuple[int, int], Flank
     rotation, share, load, unsettled = [], [], [], []
     for torque in range(contact.pair.torques.size):
         contacts = {k: one for (number, k), one in solutions.items() if number == torque}
-        analysis, found = loaded.isel(torque=torque, mesh_position=list(contacts)), list(contacts.values())
-        rotation += [100.0 * d for d in rotation_differences(analysis, found)]
-        share += [100.0 * d for d in share_differences(analysis, found)]
-        load.append(100.0 * line_load_difference(analysis, found, splines))
+        analysis, solved = loaded.isel(torque=torque, mesh_position=list(contacts)), list(contacts.values())
+        rotation += [100.0 * d for d in rotation_differences(analysis, solved)]
+        share += [100.0 * d for d in share_differences(analysis, solved)]
+        load.append(100.0 * line_load_difference(analysis, solved, splines))
         stretch = strip_width(analysis)
         theirs = {k: flank_contact.stretch_load(one, stretch) for k, one in contacts.items()}
         most = max(theirs, key=lambda k: theirs[k])

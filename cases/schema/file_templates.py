@@ -311,9 +311,9 @@ def _load_cases(name: str) -> str:
     return "\n".join([*words, ",".join(columns), *lines])
 
 
-def _values(found: Any, title: str) -> dict[str, Any]:
+def _values(content: Any, title: str) -> dict[str, Any]:
     """Values that a file gives, with a title of its own and no description, which would go into what is made of it."""
-    values: dict[str, Any] = found.model_dump(exclude_unset=True)
+    values: dict[str, Any] = content.model_dump(exclude_unset=True)
     return values | {"title": title, "description": ""}
 
 

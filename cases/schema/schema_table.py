@@ -103,7 +103,7 @@ def optional(description: str, unit: str, **options: Any) -> Any:
 
 
 def extra_of(field: FieldInfo, name: str) -> str:
-    """What ``key`` was given as ``allowed`` or ``unit``; empty if nothing."""
+    """Text that ``key`` was given as ``allowed`` or ``unit``; empty if none."""
     extra = field.json_schema_extra
     return str(extra.get(name, "")) if isinstance(extra, dict) else ""
 

@@ -101,15 +101,15 @@ class BendingSlopes:
             result[rows] += selection @ np.einsum("jnk,n->kj", moved, force[rows])
         return result
 
-    def _moved(self, member: MemberLoads, own: Array, held: Array) -> Array:
+    def _moved(self, member: MemberLoads, loads: Array, amplitudes: Array) -> Array:
         """Change (s, j) of the deflections under held amplitudes of the loads (k)."""
-        slope = member.by_point[:, own] @ held
-        return np.asarray(np.einsum("csg,csgj,g->sj", slope, member.motion[:, own], self.weights))
+        slope = member.by_point[:, loads] @ amplitudes
+        return np.asarray(np.einsum("csg,csgj,g->sj", slope, member.motion[:, loads], self.weights))
 
-    def _amplitude_change(self, member: MemberLoads, own: Array, force: Array) -> Array:
+    def _amplitude_change(self, member: MemberLoads, loads: Array, force: Array) -> Array:
         """Change (k, j) of the amplitudes of the loads under held forces."""
-        moved = member.motion[:, own] * (force[:, None] * self.weights)[..., None]
-        by_point = member.by_point[:, own]
+        moved = member.motion[:, loads] * (force[:, None] * self.weights)[..., None]
+        by_point = member.by_point[:, loads]
         return np.asarray(by_point.reshape(-1, by_point.shape[-1]).T @ moved.reshape(-1, moved.shape[-1]))
 
 

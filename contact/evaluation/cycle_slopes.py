@@ -160,14 +160,14 @@ def _deflection_slopes(cases: Sequence[LoadedCase]) -> list[dict[str, Array]]:
 
 
 def load_spot_slopes(
-    spot: Mapping[str, tuple[tuple[str, ...], Array]], found: Sequence[CaseSlopes]
+    spot: Mapping[str, tuple[tuple[str, ...], Array]], slopes: Sequence[CaseSlopes]
 ) -> dict[str, tuple[tuple[str, ...], Array]]:
     """Derivatives of load-weighted centre and extents, with their dimensions; ``spot`` is that of ``load_spot``."""
-    torques, count = spot[f"load_centre_{WAYS[0]}"][1].size, found[0].rotation.size
+    torques, count = spot[f"load_centre_{WAYS[0]}"][1].size, slopes[0].rotation.size
     centre, extent = (np.stack([spot[f"load_{name}_{way}"][1] for way in WAYS]) for name in ("centre", "extent"))
     whole = np.zeros(torques)
     by_centre, by_square = np.zeros((2, torques, count)), np.zeros((2, torques, count))
-    for one in found:
+    for one in slopes:
         at, force = one.case.torque, one.case.solution.force
         whole[at] += force.sum()
         away = one.case.segments.point - centre[:, at, None]
@@ -202,24 +202,24 @@ OF_LOAD = (
 )
 
 
-def load_variables(loaded: xr.Dataset, found: Sequence[CaseSlopes]) -> dict[str, Any]:
+def load_variables(loaded: xr.Dataset, solved: Sequence[CaseSlopes]) -> dict[str, Any]:
     """Derivatives of the variables ``OF_LOAD``, with their dimensions."""
-    cycle, count = (loaded.sizes["torque"], loaded.sizes["mesh_position"]), found[0].rotation.size
+    cycle, count = (loaded.sizes["torque"], loaded.sizes["mesh_position"]), solved[0].rotation.size
     pairs, size = loaded["pair"].values, loaded.sizes["segment"]
     rotation = np.full((*cycle, count), np.nan)
     share = np.full((*cycle, pairs.size, count), np.nan)
     on_edges = np.full((*cycle, count), np.nan)
     of_segments = {name: np.full((*cycle, size, count), np.nan) for name in ("force", "pressure")}
-    for one in found:
+    for one in solved:
         at, segments = (one.case.torque, one.case.mesh_position), one.case.segments
         rotation[at] = 1e6 * one.rotation
         whole = one.case.problem.torque
         moments = segments.lever_arm * one.case.solution.force
 
-        def of_whole(own: Array, one: CaseSlopes = one, moments: Array = moments, whole: float = whole) -> Array:
+        def of_whole(values: Array, one: CaseSlopes = one, moments: Array = moments, whole: float = whole) -> Array:
             # The moments add up to the torque, which the last setting changes.
-            part = one.moment[own].sum(axis=0) / whole
-            part[-1] -= moments[own].sum() / whole * one.moment[:, -1].sum() / whole
+            part = one.moment[values].sum(axis=0) / whole
+            part[-1] -= moments[values].sum() / whole * one.moment[:, -1].sum() / whole
             return np.asarray(part)
 
         for number, pair in enumerate(pairs):

@@ -63,9 +63,9 @@ def rotation_slopes(error: Array, slopes: Array, orders: int) -> dict[str, Any]:
     }
 
 
-def unloaded_numbers(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, Any]]:
+def unloaded_numbers(unloaded: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, Any]]:
     """Numbers ``unloaded_...`` of the transmission error [urad], and their derivatives, zero by the torque."""
-    fine, change = 1e6 * found.error[None], 1e6 * np.pad(found.slopes, ((0, 0), (0, 1)))[None]
+    fine, change = 1e6 * unloaded.error[None], 1e6 * np.pad(unloaded.slopes, ((0, 0), (0, 1)))[None]
     names = ("mean_level", "harmonic", "rms")
     numbers, by_setting = rotation_numbers(fine), rotation_slopes(fine, change, HARMONIC_ORDER_COUNT)
     values = {f"unloaded_{name}": (numbers[name][0][1:], numbers[name][1][0]) for name in names}
@@ -73,8 +73,8 @@ def unloaded_numbers(found: UnloadedSlopes) -> tuple[dict[str, Any], dict[str, A
     envelope = "unloaded_transmission_error_envelope"
     values[envelope] = (("mesh_position",), fine[0, ::ENVELOPE_REFINEMENT])
     data[envelope] = (("mesh_position", "setting"), change[0, ::ENVELOPE_REFINEMENT])
-    values["unloaded_peak_to_peak"] = ((), 1e6 * found.peak_to_peak)
-    data["unloaded_peak_to_peak"] = (("setting",), 1e6 * np.append(found.peak_slopes, 0.0))
+    values["unloaded_peak_to_peak"] = ((), 1e6 * unloaded.peak_to_peak)
+    data["unloaded_peak_to_peak"] = (("setting",), 1e6 * np.append(unloaded.peak_slopes, 0.0))
     return values, data
 
 

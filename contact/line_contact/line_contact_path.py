@@ -197,18 +197,18 @@ def _node(bending: ContactProblem, line_contact: LineContact, torque: float, sta
     return PathNode(torque, solution, change.force, change.rotation, indentation, rate, touching)
 
 
-def _step(here: PathNode, high: float) -> float:
+def _step(node: PathNode, high: float) -> float:
     """Length of the next step [N mm]."""
-    limit = max((LARGEST_GROWTH - 1.0) * here.torque, FIRST_STEP * high)
-    closing = np.where(here.touching, -here.indentation_rate, here.indentation_rate)
+    limit = max((LARGEST_GROWTH - 1.0) * node.torque, FIRST_STEP * high)
+    closing = np.where(node.touching, -node.indentation_rate, node.indentation_rate)
     index = np.flatnonzero(closing > 0.0)
-    distance = np.abs(here.indentation[index]) / closing[index]
+    distance = np.abs(node.indentation[index]) / closing[index]
     return min(limit, max(OVERSHOOT * float(distance.min(initial=np.inf)), 1e-2 * limit))
 
 
-def _foretold(here: PathNode, torque: float) -> Array:
+def _foretold(node: PathNode, torque: float) -> Array:
     """Forces at a torque by the derivatives (n) [N]."""
-    return np.maximum(here.solution.force + (torque - here.torque) * here.force_rate, 0.0)
+    return np.maximum(node.solution.force + (torque - node.torque) * node.force_rate, 0.0)
 
 
 def _reach(
@@ -417,5 +417,5 @@ def line_contact_path(
     first, last = path_ends(start, end)
     number("tolerance", tolerance, least=1e-12, most=0.1)
     path = continue_path(bending, line_contact, min(first, last), max(first, last), tolerance)
-    found, nodes = path_fields(first, last, path.changes, path.failure), tuple(path.nodes)
-    return LineContactPath(**found, bending=bending, line_contact=line_contact, tolerance=tolerance, _nodes=nodes)
+    fields, nodes = path_fields(first, last, path.changes, path.failure), tuple(path.nodes)
+    return LineContactPath(**fields, bending=bending, line_contact=line_contact, tolerance=tolerance, _nodes=nodes)

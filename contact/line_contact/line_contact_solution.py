@@ -341,14 +341,14 @@ def _compiled_answers(bendings: Sequence[ContactProblem], contact: WeberLineCont
     ]
 
 
-def _judged(bending: ContactProblem, found: CompiledAnswer) -> _Found:
+def _judged(bending: ContactProblem, compiled: CompiledAnswer) -> _Found:
     solution = judged(
         "native",
-        found.answer,
+        compiled.answer,
         tolerance=EXACT_TOLERANCE,
-        iterations=found.iterations,
+        iterations=compiled.iterations,
         method="modal",
-        message=f"modal Newton's method on the line contacts themselves, {found.iterations} steps",
-        stiffness=found.stiffness,
+        message=f"modal Newton's method on the line contacts themselves, {compiled.iterations} steps",
+        stiffness=compiled.stiffness,
     )
-    return solution, found.answer.problem or bending.with_secant(found.secant)
+    return solution, compiled.answer.problem or bending.with_secant(compiled.secant)

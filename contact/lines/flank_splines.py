@@ -234,14 +234,14 @@ class FlankSplines:
         """Values (*field shape, p, q) of fields on the grid from fractions (p) and (q), quicker than by point."""
         return self._by_name(names, [self._part(tuple(names)).on_grid(lengthwise, profile)])[0]
 
-    def _by_name(self, names: Sequence[str], found: Sequence[Array]) -> list[dict[str, Array]]:
+    def _by_name(self, names: Sequence[str], derivatives: Sequence[Array]) -> list[dict[str, Array]]:
         """Values (components, ...) of several derivatives, by the names of the fields."""
-        results: list[dict[str, Array]] = [{} for _ in found]
+        results: list[dict[str, Array]] = [{} for _ in derivatives]
         start = 0
         for name in names:
             components, of_field = self.columns[name]
             rows = slice(start, start := start + components.stop - components.start)
-            for result, values in zip(results, found, strict=True):
+            for result, values in zip(results, derivatives, strict=True):
                 result[name] = values[rows].reshape(*of_field, *values.shape[1:])
         return results
 

@@ -105,12 +105,12 @@ def flank_edges(splines: FlankSplines, near: Sequence[FlankEdge] | None = None) 
     for (number, (fraction, value)), of_pinion in product(enumerate(EDGES), (False, True)):
         first = (number + of_pinion * len(EDGES)) * along.size
         columns = slice(first, first + along.size)
-        here, beside = _at(expansion, columns), _at(opposite, columns)
-        passing = beside.slopes - beside.rate[:, None] * here.gradient[None]
+        line, beside = _at(expansion, columns), _at(opposite, columns)
+        passing = beside.slopes - beside.rate[:, None] * line.gradient[None]
         moving = -solved(passing, beside.rate) if of_pinion else np.zeros((2, along.size))
-        nearing, outward = 1.0 - np.sum(moving * here.gradient, axis=0), 1.0 if value == 1.0 else -1.0
-        leaving = np.sum(passing[fraction] * here.direction, axis=0) if of_pinion else here.direction[fraction]
-        place = nodes[:, number], points[:, columns], here, beside
+        nearing, outward = 1.0 - np.sum(moving * line.gradient, axis=0), 1.0 if value == 1.0 else -1.0
+        leaving = np.sum(passing[fraction] * line.direction, axis=0) if of_pinion else line.direction[fraction]
+        place = nodes[:, number], points[:, columns], line, beside
         motion = moving, nearing, leaving, blade_distance[columns]
         edges.append(FlankEdge(of_pinion, fraction, outward, *place, *motion))
     return tuple(edges)

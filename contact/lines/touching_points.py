@@ -79,17 +79,17 @@ def touching_points(flanks: TurnedFlanks, rotations: Array) -> TouchingPoints:
     return least(refined(flanks, points, rotations[row], parameters, part), row, rotations.size)
 
 
-def least(found: TouchingPoints, row: NDArray[Any], count: int) -> TouchingPoints:
+def least(points: TouchingPoints, row: NDArray[Any], count: int) -> TouchingPoints:
     """Of several points (m) that belong to rows (m), the one with the smallest gap in each of ``count`` rows."""
-    known = np.flatnonzero(np.isfinite(found.gap))
-    order = known[np.argsort(-found.gap[known], kind="stable")]
+    known = np.flatnonzero(np.isfinite(points.gap))
+    order = known[np.argsort(-points.gap[known], kind="stable")]
     best = np.full(count, -1)
     best[row[order]] = order
     if not row.size:
         nothing = np.full((2, count), np.nan)
-        parameters = np.full((found.parameters.shape[0], count), np.nan)
+        parameters = np.full((points.parameters.shape[0], count), np.nan)
         return TouchingPoints(nothing[0], nothing, parameters, best.astype(np.int8), best)
-    result = found.at(best)
+    result = points.at(best)
     missing = best < 0
     result.gap[missing], result.points[:, missing], result.bound[missing] = np.nan, np.nan, -1
     return result
@@ -177,24 +177,24 @@ def refined(
     return _nearer_to_edges(flanks, minima, rotations)
 
 
-def _nearer_to_edges(flanks: TurnedFlanks, found: TouchingPoints, rotations: Array) -> TouchingPoints:
+def _nearer_to_edges(flanks: TurnedFlanks, points: TouchingPoints, rotations: Array) -> TouchingPoints:
     """Points (n) after one more step of those on edges: an edge is curved, and a step ends beside it by the square.
 
     The gap off the edge errs by 1e-14 rad, of which differences over small changes of a setting see five digits.
     """
-    columns = np.flatnonzero((found.bound >= 0) & np.isfinite(found.gap))
+    columns = np.flatnonzero((points.bound >= 0) & np.isfinite(points.gap))
     if not columns.size:
-        return found
-    part, parameters = found.part[columns], found.parameters[:, columns]
-    turned_gap = flanks.at(found.points[:, columns], rotations[columns], parameters, part)
+        return points
+    part, parameters = points.part[columns], points.parameters[:, columns]
+    turned_gap = flanks.at(points.points[:, columns], rotations[columns], parameters, part)
     step, promised = _bounded_step(turned_gap, np.full(columns.size, DAMPING_MINIMUM))
     short = (np.max(np.abs(step), axis=0) < LAST_STEP) & (np.abs(promised) < LAST_PROMISE)
     kept, step = columns[short], step[:, short]
-    found.gap[kept] = (turned_gap.gap + promised)[short]
-    found.points[:, kept] += step
+    points.gap[kept] = (turned_gap.gap + promised)[short]
+    points.points[:, kept] += step
     following = np.einsum("kin,in->kn", turned_gap.following[..., short], step)
-    found.parameters[:, kept] = turned_gap.parameters[:, short] + following
-    return found
+    points.parameters[:, kept] = turned_gap.parameters[:, short] + following
+    return points
 
 
 @dataclass(frozen=True)
@@ -219,19 +219,19 @@ class _Best:
         self.points[:, index] = points
 
 
-def _bounded_step(here: TurnedGap, damping: Array) -> tuple[Array, Array]:
+def _bounded_step(gap: TurnedGap, damping: Array) -> tuple[Array, Array]:
     """Step (2, n) to the minimum of the gap's second-order model within the linearised bounds, and its promise (n).
 
     The lowest of those inside, on one of the nearest bounds or where two meet. A gap that is not convex is made so, to
     keep the step downhill.
     """
-    slope, bend = here.slope, _convex(here.bend, damping)
+    slope, bend = gap.slope, _convex(gap.bend, damping)
     with np.errstate(all="ignore"):
-        size = np.sqrt(np.sum(here.margin_slopes**2, axis=1))
-        distance = here.margins / size
+        size = np.sqrt(np.sum(gap.margin_slopes**2, axis=1))
+        distance = gap.margins / size
         nearest = np.argsort(np.where(np.isfinite(distance), distance, np.inf), axis=0)[:NEAREST_BOUNDS]
         columns = np.arange(slope.shape[1])
-        normal = here.margin_slopes[nearest, :, columns[None]].transpose(0, 2, 1) / size[nearest, columns][:, None]
+        normal = gap.margin_slopes[nearest, :, columns[None]].transpose(0, 2, 1) / size[nearest, columns][:, None]
         margin = distance[nearest, columns]
         across = normal.swapaxes(0, 1)  # (2, k, n)
         foot, along = -margin * across, np.array([-across[1], across[0]])

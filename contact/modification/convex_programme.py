@@ -249,18 +249,18 @@ def solve_programme(loads: LoadResponse, goal: Goal, coefficients: Array, trust_
     return ProgrammeAnswer(str(programme.status), trust_radius * np.asarray(step.value, dtype=np.float64), promise)
 
 
-def _objective(cvxpy: Any, loads: LoadResponse, here: Bools, goal: Goal, trust_radius: float, step: Any) -> Any:
+def _objective(cvxpy: Any, loads: LoadResponse, mask: Bools, goal: Goal, trust_radius: float, step: Any) -> Any:
     """Convex function of the step that is the relative objective of one cycle, squared for the pressure."""
-    reference = goal.reference[loads.cycle[here][0] % goal.reference.size]
+    reference = goal.reference[loads.cycle[mask][0] % goal.reference.size]
     if goal.objective == "even_load":
-        chosen = here & loads.touching
+        chosen = mask & loads.touching
         slope, level = loads.line_load_slope[chosen], loads.line_load[chosen]
         rows = np.sqrt(loads.length[chosen])[:, None] * np.column_stack([trust_radius * slope, level]) / reference
         # As many rows as unknowns hold the same information as thousands of them.
         triangle: Array = np.asarray(np.linalg.qr(rows, mode="r"))
         return cvxpy.norm(triangle[:, :-1] @ step + triangle[:, -1])
-    scale = _multiple(loads, goal.objective)[here] / reference ** (2 if _squared(goal) else 1)
-    return cvxpy.max(scale * loads.line_load[here] + trust_radius * scale[:, None] * loads.line_load_slope[here] @ step)
+    scale = _multiple(loads, goal.objective)[mask] / reference ** (2 if _squared(goal) else 1)
+    return cvxpy.max(scale * loads.line_load[mask] + trust_radius * scale[:, None] * loads.line_load_slope[mask] @ step)
 
 
 def _squared(goal: Goal) -> bool:

@@ -86,9 +86,9 @@ class ModifiedContact:
         modified = self.cycle.with_ease_off(ease_off)
         return modified, separation_slopes(modified, self.names)
 
-    def _segments(self, here: Segments) -> dict[str, Any]:
+    def _segments(self, segments: Segments) -> dict[str, Any]:
         """Lever arms and line contact of segments, as ``load_response`` takes them."""
         count = self.cycle.segments_per_line
-        number = np.arange(here.length.size) % count
-        at_end, curvature = (number == 0) | (number == count - 1), 1.0 / here.equivalent_radius
-        return {"lever_arm": here.lever_arm, "length": here.length, "curvature": curvature, "at_end": at_end}
+        number = np.arange(segments.length.size) % count
+        at_end, curvature = (number == 0) | (number == count - 1), 1.0 / segments.equivalent_radius
+        return {"lever_arm": segments.lever_arm, "length": segments.length, "curvature": curvature, "at_end": at_end}

@@ -159,9 +159,9 @@ def _coupling(present: Bools) -> tuple[Bools, float]:
     return coupling, sum(_work(size, number, shared) for size, (_, number) in zip(sizes, groups, strict=True))
 
 
-def _work(segments: int, own: int, shared: int) -> float:
+def _work(segments: int, modes: int, shared: int) -> float:
     """Operations on a block of so many segments, modes of its own and shared modes."""
-    return float(segments * (min(segments, own) + min(segments, shared)) ** 2)
+    return float(segments * (min(segments, modes) + min(segments, shared)) ** 2)
 
 
 def few_directions(rows: Array) -> tuple[Array, Array]:

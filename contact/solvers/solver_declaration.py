@@ -319,7 +319,7 @@ class ChosenSolver:
 
     @property
     def facts(self) -> Solver | SolverSettings:
-        """What is declared of it."""
+        """Declared properties."""
         return self.own or SOLVERS[self.name]
 
 
@@ -416,12 +416,12 @@ def _solver_at(text: str) -> Solver:
     return _named(text, target, text)
 
 
-def _named(name: str, found: Any, place: str) -> Solver:
-    if isinstance(found, Solver):
-        return replace(found, name=name)
-    if not callable(found):
-        raise InputError(f"solver = {name!r}: must be a function or a Solver, and {place} is {shown(found)}")
-    return Solver(name, found)
+def _named(name: str, value: Any, place: str) -> Solver:
+    if isinstance(value, Solver):
+        return replace(value, name=name)
+    if not callable(value):
+        raise InputError(f"solver = {name!r}: must be a function or a Solver, and {place} is {shown(value)}")
+    return Solver(name, value)
 
 
 def _name_of(function: Callable[..., Any]) -> str:

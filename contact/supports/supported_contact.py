@@ -118,13 +118,13 @@ class SupportedPair:
                 self.progress()
         return ended
 
-    def _rounds(self, numbers: tuple[int, ...], torques: Array, found: Round, rounds: AssemblyRounds) -> FoundRound:
+    def _rounds(self, numbers: tuple[int, ...], torques: Array, last: Round, rounds: AssemblyRounds) -> FoundRound:
         """The last round at torques (t), from the first."""
-        absorbed, supports = np.zeros((len(found.supports), 6)), found.supports
+        absorbed, supports = np.zeros((len(last.supports), 6)), last.supports
         for count in range(1, rounds.most + 1):
-            now, following = self._next(found, absorbed, rounds.update)
-            change = self._change(found, now - absorbed, following) if rounds.update != "none" or following else 0.0
-            ended = FoundRound(numbers, found, count, change, RoundsStatus.ENDED, "")
+            now, following = self._next(last, absorbed, rounds.update)
+            change = self._change(last, now - absorbed, following) if rounds.update != "none" or following else 0.0
+            ended = FoundRound(numbers, last, count, change, RoundsStatus.ENDED, "")
             if not np.isfinite(change):
                 reason = "no mesh position has a certified solution"
                 return replace(ended, status=RoundsStatus.NOT_CERTIFIED, reason=reason)
@@ -133,7 +133,7 @@ class SupportedPair:
             if count == rounds.most:
                 break
             try:
-                found = self._round(torques, now, following or supports, rounds.update)
+                last = self._round(torques, now, following or supports, rounds.update)
             except GeometryError as error:
                 reason = f"the flanks have no contact in the assembly found: {error}"
                 return replace(ended, status=RoundsStatus.NO_GEOMETRY, reason=reason)
@@ -149,17 +149,17 @@ class SupportedPair:
         mean = np.nan_to_num(np.nanmean(wrench[0], axis=0)) if np.isfinite(wrench).any() else np.zeros(6)
         return self._round(torque, absorbed, (self.supports.at(mean, -mean),) * len(absorbed), "none")
 
-    def _next(self, found: Round, absorbed: Array, update: Update) -> tuple[Array, tuple[Supports, ...]]:
+    def _next(self, last: Round, absorbed: Array, update: Update) -> tuple[Array, tuple[Supports, ...]]:
         """Parts (k, 6) that the geometry of the next round absorbs, and its supports; none if they stay."""
-        known = np.isfinite(found.wrench[0]).all(axis=1)
+        known = np.isfinite(last.wrench[0]).all(axis=1)
         if not known.any():
             return np.full_like(absorbed, np.nan), ()
-        mean, wrench = found.parts[0, known].mean(axis=0), found.wrench[0, known].mean(axis=0)
-        following, each = np.zeros_like(absorbed), np.where(known[:, None], found.wrench[0], wrench)
+        mean, wrench = last.parts[0, known].mean(axis=0), last.wrench[0, known].mean(axis=0)
+        following, each = np.zeros_like(absorbed), np.where(known[:, None], last.wrench[0], wrench)
         if update == "mean":
             following[:, MISALIGNMENT_PARTS] = mean[MISALIGNMENT_PARTS]
         elif update == "position":
-            every = np.where(known[:, None], found.parts[0], mean)
+            every = np.where(known[:, None], last.parts[0], mean)
             following[:, MOVED_PARTS] = every[:, MOVED_PARTS]
         if isinstance(self.supports, Supports):
             return following, ()
@@ -167,13 +167,13 @@ class SupportedPair:
             return following, tuple(self.supports.at(one, -one) for one in each)
         return following, (self.supports.at(wrench, -wrench),) * known.size
 
-    def _change(self, found: Round, parts: Array, following: tuple[Supports, ...]) -> float:
+    def _change(self, last: Round, parts: Array, following: tuple[Supports, ...]) -> float:
         """Greatest change of a gap [um] by parts (k, 6) of the motion, and by other supports under the same load."""
-        twist = self.motion(found.cycle).twist(parts)
-        for number, (supports, wrench) in enumerate(zip(following, found.wrench[0], strict=False)):
-            changed = supports.relative(self.assembly) - found.supports[number].relative(self.assembly)
+        twist = self.motion(last.cycle).twist(parts)
+        for number, (supports, wrench) in enumerate(zip(following, last.wrench[0], strict=False)):
+            changed = supports.relative(self.assembly) - last.supports[number].relative(self.assembly)
             twist[number] += np.nan_to_num(changed @ wrench)
-        return 1e3 * float(np.abs(found.wrenches.flank @ twist.T).max())
+        return 1e3 * float(np.abs(last.wrenches.flank @ twist.T).max())
 
     def _round(self, torques: Array, absorbed: Array, supports: tuple[Supports, ...], update: Update) -> Round:
         """One round: the contact in the assembly that has absorbed parts (k, 6) of the motion."""
@@ -193,8 +193,8 @@ class SupportedPair:
             keys = [(supports[k], tuple(absorbed[k])) for k in numbers]
             kinds = {key: SupportModes(compliances[key[0]], motion.twist(np.array(key[1]))) for key in set(keys)}
             modes = [kinds[key] for key in keys]  # those of equal ones are found once
-            held = HeldMembers(modes, wrenches)
-            there, solved = self.solver.cases(replace(cycle.segments, wrenches=wrenches), torques, held)
+            members = HeldMembers(modes, wrenches)
+            there, solved = self.solver.cases(replace(cycle.segments, wrenches=wrenches), torques, members)
             segments += there
             apart = self._first_contact_change(cycle)
             for case in solved:
@@ -244,9 +244,9 @@ CYCLE = ("torque", "mesh_position")
 SHARES = ("teeth_rotation", "contact_rotation", "supports_rotation", "ease_off_rotation")
 
 
-def _mesh_forces(found: Sequence[Round], wrench: Array) -> dict[str, Any]:
+def _mesh_forces(rounds: Sequence[Round], wrench: Array) -> dict[str, Any]:
     """Force and moment of the mesh on each member about its reference, for wrenches (t, k, 6) about the origin."""
-    supports = found[0].supports[0]
+    supports = rounds[0].supports[0]
     references = np.array([supports.pinion.reference, supports.gear.reference])
     both = [sign * shifted_wrench(wrench, ORIGIN, point) for sign, point in zip((1.0, -1.0), references, strict=True)]
     on_members = np.stack(both)
@@ -258,27 +258,27 @@ def _mesh_forces(found: Sequence[Round], wrench: Array) -> dict[str, Any]:
     }
 
 
-def _bearing_names(found: Round) -> list[str]:
+def _bearing_names(last: Round) -> list[str]:
     """Names of the bearings of pinion and gear."""
-    supports = found.supports[0]
+    supports = last.supports[0]
     members = zip(MEMBERS, (supports.pinion, supports.gear), strict=True)
     return [f"{member} {bearing.name}" for member, support in members for bearing in support.bearings]
 
 
-def _bearing_loads(found: Sequence[Round], wrench: Array) -> dict[str, Any]:
+def _bearing_loads(rounds: Sequence[Round], wrench: Array) -> dict[str, Any]:
     """Force on every bearing, and its moment about the bearing's centre, for wrenches (t, k, 6) about the origin."""
-    names = _bearing_names(found[0])
+    names = _bearing_names(rounds[0])
     if not names:
         return {}
     loads = np.full((len(names), *wrench.shape), np.nan)
-    for torque, one in enumerate(found):
+    for torque, one in enumerate(rounds):
         for position, supports in enumerate(one.supports):
             loads[:, torque, position] = [
                 bearing.load(sign * shifted_wrench(wrench[torque, position], ORIGIN, support.reference))
                 for sign, support in ((1.0, supports.pinion), (-1.0, supports.gear))
                 for bearing in support.bearings
             ]
-    members = (found[0].supports[0].pinion, found[0].supports[0].gear)
+    members = (rounds[0].supports[0].pinion, rounds[0].supports[0].gear)
     points = np.array([bearing.point for support in members for bearing in support.bearings])
     dims = ("bearing", *CYCLE, "space")
     return {

@@ -217,24 +217,26 @@ class Lubricant:
         density = ASSUMED_DENSITY if self.density is None else self.density
         return np.asarray(1e6 * self.dynamic_viscosity / density)
 
-    def _log_linear(self, here: Array) -> tuple[Array, Array]:
+    def _log_linear(self, degrees: Array) -> tuple[Array, Array]:
         """Viscosity [Pa s] whose logarithm is linear between the table's temperatures, and its fall [1/K]."""
         logarithms = np.log(self.dynamic_viscosity)
         # Slopes belong to the middles of the intervals; between those they change linearly, beyond they stay.
         slope = -np.diff(logarithms) / np.diff(self.temperature)
-        return np.exp(np.interp(here, self.temperature, logarithms)), np.interp(here, _middles(self.temperature), slope)
+        viscosity = np.exp(np.interp(degrees, self.temperature, logarithms))
+        return viscosity, np.interp(degrees, _middles(self.temperature), slope)
 
-    def _walther(self, here: Array) -> tuple[Array, Array]:
+    def _walther(self, degrees: Array) -> tuple[Array, Array]:
         """Viscosity [Pa s] by ASTM D341, and the fall of its logarithm [1/K]."""
         density = np.full_like(self.temperature, ASSUMED_DENSITY) if self.density is None else self.density
-        kelvin, nodes = np.log(here + KELVIN), np.log(self.temperature + KELVIN)
+        kelvin, nodes = np.log(degrees + KELVIN), np.log(self.temperature + KELVIN)
         double_logs = np.log(np.log(self._kinematic + WALTHER_VISCOSITY))
         grown = np.exp(np.exp(np.interp(kelvin, nodes, double_logs)))  # v + 0.7
-        viscosity = 1e-6 * np.interp(here, self.temperature, density) * (grown - WALTHER_VISCOSITY)
+        viscosity = 1e-6 * np.interp(degrees, self.temperature, density) * (grown - WALTHER_VISCOSITY)
         # The slope of the law is that of an interval in its middle, and changes linearly from one middle to the next.
         steepness = np.interp(kelvin, _middles(nodes), -np.diff(double_logs) / np.diff(nodes))
-        thinning = steepness * grown * np.log(grown) / (grown - WALTHER_VISCOSITY) / (here + KELVIN)
-        expansion = np.interp(here, _middles(self.temperature), -np.diff(np.log(density)) / np.diff(self.temperature))
+        thinning = steepness * grown * np.log(grown) / (grown - WALTHER_VISCOSITY) / (degrees + KELVIN)
+        slope = -np.diff(np.log(density)) / np.diff(self.temperature)
+        expansion = np.interp(degrees, _middles(self.temperature), slope)
         return viscosity, thinning + expansion
 
 

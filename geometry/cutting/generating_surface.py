@@ -215,7 +215,7 @@ class GeneratingSurface:
         return (*self._in_member(pose, velocities[0], point, edge, parameters[0]), coordinate)
 
     def rows(self, parameters: Array) -> Array:
-        """What ``evaluate`` gives, as one array (7, n)."""
+        """Results of ``evaluate`` as one array (7, n)."""
         position, normal, coordinate = self.evaluate(parameters)
         return np.concatenate([position, normal, coordinate[None]])
 
@@ -390,22 +390,22 @@ def points_at(
 
     ``locate`` gives two coordinates of points (2, n) and their derivatives by both parameters (2, 2, n).
     """
-    held, known = start, True
+    kept, known = start, True
 
     def derivatives(here: Array, active: Integers) -> tuple[Array, Array]:
-        nonlocal held, known
+        nonlocal kept, known
         if known:
             known = False
-            return locate(held)
+            return locate(kept)
         points = SurfacePoints.of(surface, here)
-        held = points if active.size == target.shape[1] else held.with_others(active, points)
+        kept = points if active.size == target.shape[1] else kept.with_others(active, points)
         return locate(points)
 
     with np.errstate(all="ignore"):
         solution = solve_by(derivatives, start.parameters, target, surface.max_step)
-        step = solution.parameters - held.parameters
+        step = solution.parameters - kept.parameters
         far = np.flatnonzero(~np.all(np.abs(step) < LINEAR_STEP * surface.max_step[:, None], axis=0))
-        held = held.moved(step)
+        kept = kept.moved(step)
         if far.size:
-            held = held.with_others(far, SurfacePoints.of(surface, solution.parameters[:, far]))
-    return held, solution
+            kept = kept.with_others(far, SurfacePoints.of(surface, solution.parameters[:, far]))
+    return kept, solution

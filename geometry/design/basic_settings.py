@@ -126,7 +126,7 @@ def generated_gear(
 
 @dataclass(frozen=True)
 class _GearCut:
-    """How a gear is cut: Formate without a ratio of roll, face-milled without blade groups."""
+    """Cutting of a gear: Formate without a ratio of roll, face-milled without blade groups."""
 
     blank: BlankDimensions
     cutter_radius: float

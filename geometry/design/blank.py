@@ -400,9 +400,10 @@ def mating_cone(
     if not abs(sine) < 1.0:
         raise GeometryError(f"hypoid_offset = {offset:g} mm: no pinion cone can follow the gear's face and root cones")
     turn = math.asin(sine) - tilt
-    own = math.asin(math.sin(excess) * math.sin(cone_angle) + math.cos(excess) * math.cos(cone_angle) * math.cos(turn))
+    level_part, turned_part = math.sin(excess) * math.sin(cone_angle), math.cos(excess) * math.cos(cone_angle)
+    pinion_angle = math.asin(level_part + turned_part * math.cos(turn))
     level = offset * math.sin(turn) * math.cos(cone_angle) - apex * math.sin(cone_angle)
-    return MatingCone(turn, own, (level - clearance) / math.sin(own))
+    return MatingCone(turn, pinion_angle, (level - clearance) / math.sin(pinion_angle))
 
 
 def width_in_pitch_plane(cones: PitchCones, inner: float, outer: float) -> float:

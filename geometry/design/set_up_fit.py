@@ -69,14 +69,14 @@ class MeanSlot:
         return math.remainder(azimuths[1] - azimuths[0], 2.0 * math.pi) * self.width_per_angle
 
     def change(
-        self, here: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface, *, convex: bool
+        self, surface: GeneratingSurface, behind: GeneratingSurface, ahead: GeneratingSurface, *, convex: bool
     ) -> float:
         """Change of the width [mm] between two flanks near the known one, to first order: the other side stays."""
         parameters = self.parameters[1 if convex else 0]
-        position, normal = (vector[:, 0] for vector in here.evaluate(parameters)[:2])
+        position, normal = (vector[:, 0] for vector in surface.evaluate(parameters)[:2])
         moved = (ahead.evaluate(parameters)[0] - behind.evaluate(parameters)[0])[:, 0]
         turn = float(moved @ normal) / float(position[0] * normal[1] - position[1] * normal[0])
-        return (1.0 if convex == (here.hand == "right") else -1.0) * turn * self.width_per_angle
+        return (1.0 if convex == (surface.hand == "right") else -1.0) * turn * self.width_per_angle
 
     def error(self, concave: GeneratingSurface, convex: GeneratingSurface) -> float:
         """Width less the wanted one [mm]."""

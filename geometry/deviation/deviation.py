@@ -394,9 +394,9 @@ def normal_distance(
     first = first / np.sqrt(dot(first, first))
     across = first, cross(normal, first)
 
-    def derivatives(here: Array, active: Integers) -> tuple[Array, Array]:
+    def derivatives(places: Array, active: Integers) -> tuple[Array, Array]:
         directions = [direction[:, active] for direction in across]
-        point, slopes = complex_steps(lambda p: surface.evaluate(p)[0], here)
+        point, slopes = complex_steps(lambda p: surface.evaluate(p)[0], places)
         return (
             np.stack([dot(direction, point) for direction in directions]),
             np.stack([np.stack([dot(direction, slope) for direction in directions]) for slope in slopes]),

@@ -163,9 +163,9 @@ class SeedLattice:
         choice = np.where(np.any(apart > SHEET_DISTANCE, axis=1), best, 0)
         return self.points.at(seeds[np.arange(seeds.shape[0]), choice])
 
-    def strayed(self, start: Array, found: Array) -> Bools:
+    def strayed(self, start: Array, solutions: Array) -> Bools:
         """True for solutions (2, n) so far from their starts (2, n) that they belong to another sheet."""
-        return np.asarray(np.any(np.abs(found - start) > STRAY_LIMIT * self.step[:, None], axis=0))
+        return np.asarray(np.any(np.abs(solutions - start) > STRAY_LIMIT * self.step[:, None], axis=0))
 
 
 @lru_cache(maxsize=64)

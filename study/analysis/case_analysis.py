@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 
 def with_friction(
-    found: Analysis,
+    analysis: Analysis,
     given: Friction | None,
     solver: SolverChoice = "auto",
     progress: Callable[[], None] | None = None,
@@ -54,7 +54,7 @@ def with_friction(
 ) -> Analysis:
     """An analysis with the group ``friction`` added, if there are operating conditions."""
     if given is None:
-        return found
+        return analysis
     if stage is not None:
         stage("friction")
     from ...friction import friction, friction_feedback
@@ -65,16 +65,16 @@ def with_friction(
             return friction_feedback(tree, part.cases, given.operation, given.model, solver=solver, progress=progress)
         return friction(tree, given.operation, given.model, segment_fields=segment_fields, progress=progress)
 
-    if not found.parts:
-        return Analysis({**found.groups, "friction": losses(found)}, found.cases)
+    if not analysis.parts:
+        return Analysis({**analysis.groups, "friction": losses(analysis)}, analysis.cases)
     # All parts keep fields over the segments, or none, by the size of the whole.
-    loaded = found.groups["loaded"].sizes
+    loaded = analysis.groups["loaded"].sizes
     size = loaded["torque"] * loaded["mesh_position"] * loaded["segment"] * math.prod(given.operation.shape)
     parts = [
         (places, replace(part, groups={**part.groups, "friction": losses(part, size <= KEPT_VALUES_LIMIT)}))
-        for places, part in found.parts
+        for places, part in analysis.parts
     ]
-    return joined_analysis(parts, {name: group for name, group in found.groups.items() if name not in OVER_TORQUE})
+    return joined_analysis(parts, {name: group for name, group in analysis.groups.items() if name not in OVER_TORQUE})
 
 
 #: What ``contact.solve`` takes of an analysis, whichever solver it calls. Starts are those of the torque before.

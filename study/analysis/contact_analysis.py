@@ -357,18 +357,18 @@ def _light_load(
     torque: float,
     edges: bool,
     parts: list[LoadedPart],
-    held: LoadedSupports | None,
+    supports: LoadedSupports | None,
     rounds: AssemblyRounds | None,
 ) -> xr.Dataset:
     """The group ``light_load``, in the assembly at its torque [N m]; segments of a greater torque there are taken."""
     ((places, assembly),) = state.assemblies([torque])
     greater = next((one.cases for one in parts if _same_assembly(one.state, assembly)), [])
-    if held is not None:
+    if supports is not None:
         from ...contact.supports.support import Supports
 
-        first_order = isinstance(held, Supports) and rounds is not None and rounds.update == "none"
+        first_order = isinstance(supports, Supports) and rounds is not None and rounds.update == "none"
         settings: dict[str, Any] = {"edge_contact": edges, "greater": greater if first_order else ()}
-        (one,) = supported_parts(assembly, places, np.array([torque]), held, rounds, **settings)
+        (one,) = supported_parts(assembly, places, np.array([torque]), supports, rounds, **settings)
         return with_loaded_numbers(one.state.cycle, one.loaded, one.cases)
     return with_loaded_numbers(assembly.cycle, *assembly.cycle.loaded([torque], edge_contact=edges, greater=greater))
 

@@ -330,14 +330,14 @@ OF_LOSS = (
 
 
 def loss_slopes(
-    found: CycleSlopes, loaded: xr.Dataset, operation: Operation, model: FrictionModel
+    cycle: CycleSlopes, loaded: xr.Dataset, operation: Operation, model: FrictionModel
 ) -> tuple[xr.Dataset, xr.Dataset]:
     """Power loss, efficiency and mean friction coefficient, and their derivatives by settings, last by the torque.
 
     The torque that friction takes is not fed back.
     """
-    inputs = _FrictionInputs.of(found, loaded)
-    values = loss_values(found.cycle, loaded, operation, model)
+    inputs = _FrictionInputs.of(cycle, loaded)
+    values = loss_values(cycle.cycle, loaded, operation, model)
     columns: list[xr.Dataset] = []
     for number, step in enumerate(inputs.steps):
         ahead, behind = (_losses(inputs.moved(number, sign * step), operation, model) for sign in (1.0, -1.0))
@@ -387,8 +387,8 @@ class _FrictionInputs:
         parts = []
         for one in sorted(found.cases, key=lambda each: (each.case.torque, each.case.mesh_position)):
             segments = one.case.solution.force > 0.0
-            own = one.force[segments], one.length[segments], one.equivalent_radius[segments], one.place[:, segments]
-            parts.append((one.case.segments.point[:, segments], *own))
+            known = one.force[segments], one.length[segments], one.equivalent_radius[segments], one.place[:, segments]
+            parts.append((one.case.segments.point[:, segments], *known))
         point, *by_segment, place = zip(*parts, strict=True)
         force, length, radius = (np.concatenate(each) for each in by_segment)
         contacts = _contacts(found.cycle, loaded)

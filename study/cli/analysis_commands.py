@@ -290,7 +290,7 @@ def _check_kept(plan: SweepPlan, keep: Sequence[tuple[str, str, int]]) -> None:
             raise click.UsageError(f"--keep = '{side}={name}:{count}': must name one of {', '.join(names)}")
 
 
-def _write_kept(plan: SweepPlan, found: Any, keep: Sequence[tuple[str, str, int]], output: Path) -> list[Path]:
+def _write_kept(plan: SweepPlan, chosen: Any, keep: Sequence[tuple[str, str, int]], output: Path) -> list[Path]:
     """Whole results of chosen points, in a folder named after the file of the sweep."""
     from ...core.errors import EaseoffError
     from ..result import write_result
@@ -299,10 +299,10 @@ def _write_kept(plan: SweepPlan, found: Any, keep: Sequence[tuple[str, str, int]
 
     written: dict[int, Path] = {}
     for side, name, count in keep:
-        if name not in found:
+        if name not in chosen:
             echo(f"--keep: no point has a number {name}", err=True)
             continue
-        for row in worst_points(found, name, count, least=side == "least")["row"].values.tolist():
+        for row in worst_points(chosen, name, count, least=side == "least")["row"].values.tolist():
             if row in written:
                 continue
             path = output.with_name(f"{output.stem}-points") / f"{row:06d}.nc"

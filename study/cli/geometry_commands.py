@@ -239,7 +239,7 @@ def _executed(case: str, corrections: Any) -> str:
         f"{name} {' and '.join(flank.side for correction in member_corrections for flank in correction.flanks)}"
         for name, member_corrections in corrections.items()
     )
-    set_ups = [(name, correction) for name, own in corrections.items() for correction in own]
+    set_ups = [(name, correction) for name, of_set_up in corrections.items() for correction in of_set_up]
     unchanged = [
         f"\nNothing to correct, {name}: {' and '.join(flank.side for flank in one.flanks)}; as designed."
         for name, one in set_ups

@@ -256,8 +256,8 @@ def checked_solvers(solvers: Sequence[str] | None) -> list[str]:
     if not given:
         raise InputError(f"solvers = []: must name at least one of {', '.join(available_solvers())}")
     # A solver of one's own is imported in its process alone: there it may hang or crash.
-    own = {name for name in given if declares_place(name) or name in entry_point_names()}
-    return list(dict.fromkeys(name if name in own else require_solver(name) for name in given))
+    declared = {name for name in given if declares_place(name) or name in entry_point_names()}
+    return list(dict.fromkeys(name if name in declared else require_solver(name) for name in given))
 
 
 def measure(worker: Worker, cell: Cell, choice: Choice) -> list[Attempt]:

@@ -513,7 +513,7 @@ def rounding_limits(design: Design, report: DesignReport, case: Case) -> tuple[d
     return ranges
 
 
-def _left(found: EaseOff, wanted: Array, inside: Bools) -> Array:
+def _left(ease_off: EaseOff, wanted: Array, inside: Bools) -> Array:
     """Ease-off less target on the common flank (n) [mm], up to a rotation of the gear."""
-    lever = found.lever_arm[inside]
-    return without_rotation(found.angle[inside] * lever - wanted[inside], lever)
+    lever = ease_off.lever_arm[inside]
+    return without_rotation(ease_off.angle[inside] * lever - wanted[inside], lever)

@@ -218,11 +218,11 @@ def _least_line_load(loaded: xr.Dataset, ratio: float) -> Array:
 
 
 def _compared(
-    case: Case, start: LoadResponse, found: ModificationSearch, least: xr.Dataset, states: Sequence[CaseInMesh]
+    case: Case, start: LoadResponse, search: ModificationSearch, least: xr.Dataset, states: Sequence[CaseInMesh]
 ) -> xr.Dataset:
     """The group ``optimization``."""
     torque = least["torque"].values
-    stages = (start, found.loads)
+    stages = (start, search.loads)
     shape = (len(states), torque.size)
 
     def both(of: Callable[[LoadResponse], Array]) -> Array:
@@ -241,7 +241,7 @@ def _compared(
     depends = np.array([one.deflections is not None for one in states], dtype=np.int8)
     data |= assembly_columns([state.pair.assembly.misalignment for state in states])
     data["depends_on_torque"] = ("assembly", depends)
-    steps = found.steps
+    steps = search.steps
     by_step = {
         "reach": [s.trust_radius for s in steps],
         "promised_objective": [s.promised.objective for s in steps],

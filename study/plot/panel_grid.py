@@ -50,7 +50,7 @@ def panels(
     body_height: float,
     note: str,
     shape: tuple[int, int],
-    own: AxesChoice = None,
+    axes_given: AxesChoice = None,
     *,
     count: int | None = None,
     **layout: Any,
@@ -59,13 +59,13 @@ def panels(
     from matplotlib.axes import Axes
 
     wanted = shape[0] * shape[1] if count is None else count
-    if own is None:
+    if axes_given is None:
         figure = page(tree, heading, body_height, note)
         grid = figure.subplots(*shape, squeeze=False, **layout).reshape(-1)
         for axes in grid[wanted:]:
             axes.set_visible(False)
         return Panels(figure, grid[:wanted], True)
-    given = one_by_one(own)
+    given = one_by_one(axes_given)
     if len(given) != wanted or not all(isinstance(axes, Axes) for axes in given):
         kinds = ", ".join(sorted({type(axes).__name__ for axes in given})) or "nothing"
         needed = "one Axes" if wanted == 1 else f"{wanted} Axes, one a panel"
@@ -74,10 +74,10 @@ def panels(
     return Panels(figure, np.array(given, dtype=object), False)
 
 
-def one_by_one(own: Any) -> list[Any]:
+def one_by_one(given: Any) -> list[Any]:
     """Axes one by one, out of lists and arrays of whatever shape."""
-    own = own.ravel().tolist() if isinstance(own, np.ndarray) else own
-    return [axes for part in own for axes in one_by_one(part)] if isinstance(own, list | tuple) else [own]
+    given = given.ravel().tolist() if isinstance(given, np.ndarray) else given
+    return [axes for part in given for axes in one_by_one(part)] if isinstance(given, list | tuple) else [given]
 
 
 def evenly_chosen(values: NDArray[Any], most: int = PANEL_COUNT_LIMIT) -> Integers:

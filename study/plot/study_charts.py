@@ -159,19 +159,19 @@ def front(
     easeoff.core.errors.InputError: tree: the result has no group 'front': 'easeoff optimize --form pareto' makes it
     """
     require_result(tree, "loaded", "front", "optimal_settings")
-    found, record = tree["front"].to_dataset(), tree["optimal_settings"].to_dataset()
-    names = [str(name) for name in found["objective"].values]
-    values = found["front_value"].transpose("point", "objective").values
+    of_front, record = tree["front"].to_dataset(), tree["optimal_settings"].to_dataset()
+    names = [str(name) for name in of_front["objective"].values]
+    values = of_front["front_value"].transpose("point", "objective").values
     subplots = panels(tree, "Front of two objectives", HEIGHT, "every point analysed, settings rounded", (1, 1), axes)
     panel = subplots.axes[0]
     for (label, points), marker in zip((others or {}).items(), itertools.cycle(MARKERS), strict=False):
         panel.plot(*np.asarray(points, dtype=float).T, marker, color=FAINT, markersize=4.0, label=label)
     panel.plot(*values.T, "o-", color=BLUE, linewidth=1.0, markersize=4.5, label="front")
-    chosen = int(found.attrs["chosen_point"])
+    chosen = int(of_front.attrs["chosen_point"])
     panel.plot(*values[chosen], "o", color=BLUE, markersize=8.0, fillstyle="none", label="in this result")
     panel.plot(*record["objective_start"].values, "x", color=INK, markersize=7.0, label="start")
     plain_axes(panel)
-    units = [UNIT_SIGNS.get(unit, unit) for unit in found["objective_units"].values.tolist()]
+    units = [UNIT_SIGNS.get(unit, unit) for unit in of_front["objective_units"].values.tolist()]
     panel.set_xlabel(f"{names[0]} [{units[0]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
     panel.set_ylabel(f"{names[1]} [{units[1]}]", fontsize=BODY_SIZE, color=INK, parse_math=False)
     plain_legend(panel)
@@ -413,23 +413,23 @@ def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axe
     return figure
 
 
-def _small_print(found: xr.Dataset) -> str:
+def _small_print(check: xr.Dataset) -> str:
     """Totals, thickness of the compound, marks, and what V and H are positive for."""
-    parts = [totals(found)] if "total_v" in found else []
-    parts.append(f"print of {found.attrs['separation']:g} µm, toe left")
+    parts = [totals(check)] if "total_v" in check else []
+    parts.append(f"print of {check.attrs['separation']:g} µm, toe left")
     parts += ["dot: centre", "cross: where it is wanted"]
     parts += SIGNS
     return SEPARATOR.join(parts).replace("-0", "−0")
 
 
-def _draw_places(grid: Any, found: xr.Dataset, plane: Array) -> None:
-    for axes, place in zip(grid, found["place"].values, strict=True):
-        one = found.sel(place=place)
+def _draw_places(grid: Any, check: xr.Dataset, plane: Array) -> None:
+    for axes, place in zip(grid, check["place"].values, strict=True):
+        one = check.sel(place=place)
         wanted = np.array([float(one["place_lengthwise"]), float(one["place_profile"])])
         centre = np.array([float(one["pattern_centre_lengthwise"]), float(one["pattern_centre_profile"])])
-        _draw_print(axes, plane, one["print_excess"].values, found, centre, wanted)
+        _draw_print(axes, plane, one["print_excess"].values, check, centre, wanted)
         for name, t, across in (("toe", 0.0, -1), ("heel", 1.0, 1)):
-            x, y = _at(found, plane, np.array([t, 0.5]))
+            x, y = _at(check, plane, np.array([t, 0.5]))
             axes.annotate(
                 name, (x, y), (4 * across, 0), textcoords="offset points", ha=("right", "left")[across > 0],
                 va="center", rotation=90, fontsize=SMALL_SIZE, color=GREY, style="italic",
@@ -439,15 +439,15 @@ def _draw_places(grid: Any, found: xr.Dataset, plane: Array) -> None:
         panel_titles(axes, str(place), said)
 
 
-def _draw_grid(grid: Any, found: xr.Dataset, plane: Array) -> None:
+def _draw_grid(grid: Any, check: xr.Dataset, plane: Array) -> None:
     """Prints over V, to the right, and H, upwards."""
-    v, h = found["v_grid"].values, found["h_grid"].values
-    prints = found["grid_print_excess"].transpose("v_grid", "h_grid", "lengthwise", "profile").values
-    along = found["grid_pattern_centre_lengthwise"].transpose("v_grid", "h_grid").values
-    up = found["grid_pattern_centre_profile"].transpose("v_grid", "h_grid").values
+    v, h = check["v_grid"].values, check["h_grid"].values
+    prints = check["grid_print_excess"].transpose("v_grid", "h_grid", "lengthwise", "profile").values
+    along = check["grid_pattern_centre_lengthwise"].transpose("v_grid", "h_grid").values
+    up = check["grid_pattern_centre_profile"].transpose("v_grid", "h_grid").values
     for row, j in enumerate(reversed(range(h.size))):
         for i in range(v.size):
-            _draw_print(grid[row, i], plane, prints[i, j], found, np.array([along[i, j], up[i, j]]))
+            _draw_print(grid[row, i], plane, prints[i, j], check, np.array([along[i, j], up[i, j]]))
         grid[row, 0].set_ylabel(_signed(h[j]), fontsize=SMALL_SIZE, color=INK, labelpad=4)
     for i in range(v.size):
         grid[-1, i].set_xlabel(_signed(v[i]), fontsize=SMALL_SIZE, color=INK, labelpad=2)
@@ -459,7 +459,7 @@ def _signed(value: float) -> str:
 
 
 def _draw_print(
-    axes: Axes, plane: Array, excess: Array, found: xr.Dataset, centre: Array, wanted: Array | None = None
+    axes: Axes, plane: Array, excess: Array, check: xr.Dataset, centre: Array, wanted: Array | None = None
 ) -> None:
     """Draw a print on its flank, its centre, and where the centre is wanted."""
     edge = np.concatenate([plane[:, :, 0], plane[:, -1], plane[:, ::-1, -1], plane[:, 0, ::-1]], axis=1)
@@ -469,20 +469,20 @@ def _draw_print(
         axes.contourf(*plane, excess, levels=[1.01 * float(np.min(excess)), 0.0], colors=[COMPOUND], zorder=2)
         axes.contour(*plane, excess, levels=[0.0], colors=BLUE, linewidths=0.8, zorder=3)
     if wanted is not None:
-        axes.plot(*_at(found, plane, wanted), "+", color=VERMILION, markersize=9, markeredgewidth=1.1, zorder=8)
+        axes.plot(*_at(check, plane, wanted), "+", color=VERMILION, markersize=9, markeredgewidth=1.1, zorder=8)
     if np.all(np.isfinite(centre)):
-        axes.plot(*_at(found, plane, centre), "o", color=INK, markersize=3.0, zorder=9)
+        axes.plot(*_at(check, plane, centre), "o", color=INK, markersize=3.0, zorder=9)
     axes.set_aspect("equal")
     axes.set_xticks([])
     axes.set_yticks([])
     axes.spines[:].set_visible(False)
 
 
-def _at(found: xr.Dataset, plane: Array, point: Array) -> tuple[float, float]:
+def _at(check: xr.Dataset, plane: Array, point: Array) -> tuple[float, float]:
     """Coordinates in the plane of a lengthwise and a profile fraction (2)."""
     flank = xr.DataArray(
         plane, dims=("plane_axis", "lengthwise", "profile"),
-        coords={"lengthwise": found["lengthwise"].values, "profile": found["profile"].values},
+        coords={"lengthwise": check["lengthwise"].values, "profile": check["profile"].values},
     )  # fmt: skip
     x, y = flank.interp(lengthwise=float(point[0]), profile=float(point[1])).values
     return float(x), float(y)

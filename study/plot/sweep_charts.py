@@ -182,12 +182,12 @@ def _reduced(dataset: xr.Dataset, name: str, keep: tuple[str, ...]) -> tuple[xr.
 
 
 def _panels(
-    dataset: xr.Dataset, heading: str, count: int, height: float, note: str, own: AxesChoice
+    dataset: xr.Dataset, heading: str, count: int, height: float, note: str, given: AxesChoice
 ) -> tuple[Figure, NDArray[Any]]:
     columns = 2 if count > 1 else 1
     rows = -(-count // columns)
     caption = " · ".join(filter(None, (outcome(dataset), note)))
-    subplots = panels(xr.DataTree(dataset), heading, height * rows, caption, (rows, columns), own, count=count)
+    subplots = panels(xr.DataTree(dataset), heading, height * rows, caption, (rows, columns), given, count=count)
     return subplots.figure, subplots.axes
 
 
@@ -196,12 +196,12 @@ def _finish(axes: Axes, title: str, x: str = "", y: str = "") -> None:
     axes.set_title(title, fontsize=BODY_SIZE, color=INK, loc="left")
 
 
-def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, own: AxesChoice) -> Figure:
+def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, given: AxesChoice) -> Figure:
     """Filled contours of numbers over two coordinates; failed points stay white."""
     from matplotlib.ticker import FixedLocator, MaxNLocator
 
     said = _reduced(dataset, names[0], (up, along))[1]
-    figure, grid = _panels(dataset, f"Map over {along} and {up}", len(names), 2.7, ", ".join(said), own)
+    figure, grid = _panels(dataset, f"Map over {along} and {up}", len(names), 2.7, ", ".join(said), given)
     ordered = dataset.sortby([along, up])
     for axes, name in zip(grid, names, strict=True):
         values = _reduced(ordered, name, (up, along))[0]
@@ -231,11 +231,11 @@ def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, own: AxesCh
     return figure
 
 
-def _curves(dataset: xr.Dataset, names: list[str], along: str, own: AxesChoice) -> Figure:
+def _curves(dataset: xr.Dataset, names: list[str], along: str, given: AxesChoice) -> Figure:
     """Numbers over one coordinate, a curve a torque."""
     by = "torque" if "torque" in dataset.dims and along != "torque" else ""
     said = _reduced(dataset, names[0], (along, by))[1]
-    figure, grid = _panels(dataset, f"Numbers over {along}", len(names), 2.3, ", ".join(said), own)
+    figure, grid = _panels(dataset, f"Numbers over {along}", len(names), 2.3, ", ".join(said), given)
     order = np.argsort(dataset[along].values)
     for axes, name in zip(grid, names, strict=True):
         values = _reduced(dataset, name, (along, by))[0]
@@ -259,7 +259,7 @@ def _by_torque(dataset: xr.Dataset, most: int) -> list[tuple[int, Any, str | Non
     return list(zip(chosen.tolist(), torque_colours(torques[chosen]), names, strict=True))
 
 
-def _pattern(dataset: xr.Dataset, own: AxesChoice) -> Figure:
+def _pattern(dataset: xr.Dataset, given: AxesChoice) -> Figure:
     """Centre and extent of the contact pattern on the gear flank over one coordinate, a panel a torque."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
@@ -280,7 +280,7 @@ def _pattern(dataset: xr.Dataset, own: AxesChoice) -> Figure:
         by = next((name for name in own_names if dataset[name].dtype.kind == "f"), along)
     else:
         said.append("dots: centre of the pattern, ellipses: its length and height")
-    figure, grid = _panels(dataset, heading, len(torques), 2.6, ", ".join(said), own)
+    figure, grid = _panels(dataset, heading, len(torques), 2.6, ", ".join(said), given)
     shades = dataset[by].values.astype(float)
     scale = Normalize(float(shades.min()), float(shades.max()) if np.ptp(shades) else float(shades.min()) + 1.0)
     for axes, torque in zip(grid, torques, strict=True):
@@ -312,11 +312,11 @@ def _at_torque(values: xr.DataArray, torque: int) -> Array:
     return np.asarray(values.values)
 
 
-def _histograms(dataset: xr.Dataset, names: list[str], own: AxesChoice) -> Figure:
+def _histograms(dataset: xr.Dataset, names: list[str], given: AxesChoice) -> Figure:
     """Histograms of the samples, one a torque, with percentiles."""
     said = _reduced(dataset, names[0], ("sample", "torque"))[1]
     heading = f"Histograms of {dataset.sizes['sample']} samples"
-    figure, grid = _panels(dataset, heading, len(names), 2.3, ", ".join([*said, "lines: 5 %, median, 95 %"]), own)
+    figure, grid = _panels(dataset, heading, len(names), 2.3, ", ".join([*said, "lines: 5 %, median, 95 %"]), given)
     for axes, name in zip(grid, names, strict=True):
         values = _reduced(dataset, name, ("sample", "torque"))[0]
         columns = values.values.reshape(values.sizes["sample"], -1)
@@ -347,7 +347,7 @@ def _effects(dataset: xr.Dataset, names: list[str]) -> list[tuple[str, xr.Datase
     return effects if effects and effects[0][1].sizes["coordinate"] > 1 else []
 
 
-def _tornado(dataset: xr.Dataset, names: list[str], own: AxesChoice) -> Figure:
+def _tornado(dataset: xr.Dataset, names: list[str], given: AxesChoice) -> Figure:
     """Change of numbers with one scale of every coordinate, the greatest on top."""
     effects = _effects(dataset, names)
     first = effects[0][1]
@@ -356,7 +356,7 @@ def _tornado(dataset: xr.Dataset, names: list[str], own: AxesChoice) -> Figure:
     said = [f"{dim} {first[dim].values[-1]:g} {_unit(first[dim])}" for dim in several]
     note = ", ".join([*said, "change with one standard deviation of the samples, or half the range of the grid"])
     bars = min(BAR_LIMIT, first.sizes["coordinate"])
-    figure, grid = _panels(dataset, "Sensitivities, first order", len(effects), 0.9 + 0.28 * bars, note, own)
+    figure, grid = _panels(dataset, "Sensitivities, first order", len(effects), 0.9 + 0.28 * bars, note, given)
     for axes, (name, one) in zip(grid, effects, strict=True):
         effect = one["effect"].isel({dim: place for dim, place in at.items() if dim in one["effect"].dims}).values
         order = np.argsort(np.abs(np.nan_to_num(effect)))[::-1][:BAR_LIMIT][::-1]
@@ -367,7 +367,7 @@ def _tornado(dataset: xr.Dataset, names: list[str], own: AxesChoice) -> Figure:
         axes.set_xlim(-widest, widest)
         axes.axvline(0.0, color=GREY, linewidth=0.8)
         _finish(axes, f"change of {TITLES[name]}")
-    if own is None:
+    if given is None:
         legend_at_foot(figure, grid[0].get_legend_handles_labels()[0], 0.28)
     return figure
 

@@ -298,7 +298,7 @@ def _draw_stages(axes: Axes, values: xr.DataArray, label: str) -> None:
 
 
 def write_topographies(
-    found: CaseCorrection, folder: str | os.PathLike[str], name: str, *, file_format: str = "png"
+    result: CaseCorrection, folder: str | os.PathLike[str], name: str, *, file_format: str = "png"
 ) -> list[Path]:
     """Draw all corrections of a case into a folder, a file a set-up: ``NAME-gear-convex-topography.png``.
 
@@ -307,9 +307,9 @@ def write_topographies(
     if file_format not in FORMATS:
         raise InputError(f"format = {file_format!r}: must be one of {', '.join(FORMATS)}")
     written = []
-    for member, corrections in found.corrections.items():
+    for member, corrections in result.corrections.items():
         for correction in corrections:
-            title = f"{found.case.title}, {member}"
+            title = f"{result.case.title}, {member}"
             figure = topography(correction, title=title)
             sides = "-".join(flank.side for flank in correction.flanks)
             path = Path(folder) / f"{name}-{member}-{sides}-topography.{file_format}"

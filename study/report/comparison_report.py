@@ -168,8 +168,8 @@ def residual_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[Report
     frame: Any = dataset.to_dataframe()
 
     def cells(records: Any) -> list[Any]:
-        told = (quantiles(records[name]) for name in ("worst_residual", "posed_residual", "rotation_error"))
-        return [int(records["worst_residual"].notna().sum()), *map(residual, chain.from_iterable(told))]
+        shown = (quantiles(records[name]) for name in ("worst_residual", "posed_residual", "rotation_error"))
+        return [int(records["worst_residual"].notna().sum()), *map(residual, chain.from_iterable(shown))]
 
     rows = by_method(frame, named, cells)
     parts = by_method(frame, named, lambda one: [residual(quantiles(one[name])[2]) for name in RESIDUALS])

@@ -120,23 +120,23 @@ COARSER = 2  # prints of the grid, which are drawn small
 MARGIN = 0.04  # around a print, of its length
 
 
-def vh_part(name: str, found: xr.Dataset) -> dict[str, Any]:
+def vh_part(name: str, check: xr.Dataset) -> dict[str, Any]:
     """V-H check for the page."""
-    plane = ordered(found, "in_plane", "plane_axis", *GRID)
+    plane = ordered(check, "in_plane", "plane_axis", *GRID)
     (left, bottom), (right, top) = plane.min(axis=(1, 2)), plane.max(axis=(1, 2))
     margin = MARGIN * (right - left)
     window = [left - margin, right + margin, bottom - margin, top + margin]
     return {
         "name": name,
-        "title": str(found.attrs.get("title", "")),
-        "flank": str(found.attrs.get("flank", "")),
-        "thickness": float(found.attrs.get("separation", np.nan)),
+        "title": str(check.attrs.get("title", "")),
+        "flank": str(check.attrs.get("flank", "")),
+        "thickness": float(check.attrs.get("separation", np.nan)),
         "flanks": {"gear": {"plane": _bilinear(plane).tolist(), "window": window, "common": []}},
-        "table": places_table(found).page(),
-        "total": "; ".join([totals(found), *SIGNS]),
-        "reasons": reasons(found),
-        "places": [_place(found.sel(place=place)) for place in found["place"].values],
-        "grid": _grid(found) if "grid_print_excess" in found else None,
+        "table": places_table(check).page(),
+        "total": "; ".join([totals(check), *SIGNS]),
+        "reasons": reasons(check),
+        "places": [_place(check.sel(place=place)) for place in check["place"].values],
+        "grid": _grid(check) if "grid_print_excess" in check else None,
     }
 
 
@@ -158,10 +158,10 @@ def _place(one: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _grid(found: xr.Dataset) -> dict[str, Any]:
+def _grid(check: xr.Dataset) -> dict[str, Any]:
     """Prints over V and H, row by row of H from the greatest one down."""
-    prints = ordered(found, "grid_print_excess", "v_grid", "h_grid", *GRID)
-    centre = [ordered(found, f"grid_pattern_centre_{name}", "v_grid", "h_grid") for name in GRID]
+    prints = ordered(check, "grid_print_excess", "v_grid", "h_grid", *GRID)
+    centre = [ordered(check, f"grid_pattern_centre_{name}", "v_grid", "h_grid") for name in GRID]
     drawn = prints[..., ::COARSER, ::COARSER]
     cells = [
         [
@@ -170,7 +170,7 @@ def _grid(found: xr.Dataset) -> dict[str, Any]:
         ]
         for j in reversed(range(prints.shape[1]))
     ]
-    return {"v": found["v_grid"].values.tolist(), "h": found["h_grid"].values[::-1].tolist(), "cells": cells}
+    return {"v": check["v_grid"].values.tolist(), "h": check["h_grid"].values[::-1].tolist(), "cells": cells}
 
 
 def _print(excess: Array) -> dict[str, Any] | None:
@@ -327,7 +327,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
             "map": page_data.efficiency_map(friction, at),
             "table": report_tables.efficiency_rows(friction, loaded),
         }
-    content["charts"] = {part: list(map(page_data.packed_chart, own)) for part, own in content["charts"].items()}
+    content["charts"] = {part: list(map(page_data.packed_chart, charts)) for part, charts in content["charts"].items()}
     content["first_numbers"] = report_tables.first_numbers(tree, under_load, condition)
     return content
 

@@ -25,7 +25,7 @@ ROTATION, TORQUE, REVOLUTIONS = "rotation of the gear [µrad]", CONDITION_LABELS
 
 @dataclass(frozen=True)
 class ChartKind:
-    """What a chart shows: title, label of its ordinate, variable, label of its abscissa.
+    """Content of a chart: title, label of its ordinate, variable, label of its abscissa.
 
     ``by`` "torque": a series a torque, all but the chosen one pale; "only": those of the chosen one alone.
     """
@@ -43,7 +43,7 @@ def capital(quantity: Quantity) -> str:
 
 
 def _of(quantity: Quantity, source: str, x: str = CYCLE, by: str = "torque") -> ChartKind:
-    """What a chart of a quantity shows."""
+    """Content of the chart of a quantity."""
     return ChartKind(capital(quantity), f"[{quantity.unit}]" if quantity.unit else "", source, x, by)
 
 
@@ -117,7 +117,7 @@ class Chart:
 
     @property
     def kind(self) -> ChartKind:
-        """What the chart shows."""
+        """Content of the chart."""
         return CHARTS[self.name]
 
 

@@ -124,12 +124,12 @@ ROOT_SHARE = 0.2  # of the clearance, a move of the root from which on a warning
 CONDITION_LIMIT = 1e3  # above which settings are told to do nearly the same
 
 
-def correction_report(found: CaseCorrection) -> str:
+def correction_report(corrections: CaseCorrection) -> str:
     """Global errors of the flanks, settings to be set and predicted rest of every set-up of a case."""
     parts = [
         "\n".join(_set_up_lines(name, correction))
         for name in MEMBERS
-        for correction in found.corrections.get(name, ())  # type: ignore[call-overload]
+        for correction in corrections.corrections.get(name, ())  # type: ignore[call-overload]
     ]
     return "\n\n".join(parts)
 
@@ -271,16 +271,16 @@ def terms(surface: xr.Dataset) -> list[tuple[str, str]]:
     return [(str(name), f"{value:+.2f}") for name, value in pairs]
 
 
-def assembly_title(here: xr.Dataset, number: int) -> str:
+def assembly_title(group: xr.Dataset, number: int) -> str:
     """Name of an assembly of an optimization."""
-    return "case's own assembly" if number == 0 else f"assembly {number}: {_errors(here)}"
+    return "case's own assembly" if number == 0 else f"assembly {number}: {_errors(group)}"
 
 
-def assembly_rows(here: xr.Dataset, arrow: str = " -> ") -> list[tuple[str, str, list[str]]]:
+def assembly_rows(group: xr.Dataset, arrow: str = " -> ") -> list[tuple[str, str, list[str]]]:
     """Variable, name and both values at each torque of what an optimization records of one assembly."""
-    torques = range(here.sizes["torque"])
+    torques = range(group.sizes["torque"])
     return [
-        (name, quantity.head, [arrow.join(map(quantity.written, here[name].values[:, t])) for t in torques])
+        (name, quantity.head, [arrow.join(map(quantity.written, group[name].values[:, t])) for t in torques])
         for name, quantity in OPTIMIZED.items()
     ]
 
@@ -311,10 +311,10 @@ def notes(tree: xr.DataTree) -> list[str]:
     return [*lines, *deflection_notes(tree)]
 
 
-def _errors(here: xr.Dataset) -> str:
-    values = {error: error.factor * here[f"{error.name}_error"].item() for error in ERRORS}
+def _errors(group: xr.Dataset) -> str:
+    values = {error: error.factor * group[f"{error.name}_error"].item() for error in ERRORS}
     errors = [error.words(value) for error, value in values.items() if value]
-    over_torque = "depends_on_torque" in here and bool(here["depends_on_torque"].item())  # older results lack it
+    over_torque = "depends_on_torque" in group and bool(group["depends_on_torque"].item())  # older results lack it
     return ", ".join([*errors, *(["deflections over the torque"] if over_torque else [])]) or "none"
 
 

@@ -251,16 +251,16 @@ VARIABLES = (
 SIGNS = ("V positive: the offset grows (E)", "H positive: pinion away from the crossing point (P)")
 
 
-def vh_table(found: xr.Dataset) -> str:
+def vh_table(check: xr.Dataset) -> str:
     """V and H at toe, middle and heel with the patterns there, their totals, and why a place was not reached."""
-    return "\n".join([places_table(found).text(), *reasons(found), "", totals(found)])
+    return "\n".join([places_table(check).text(), *reasons(check), "", totals(check)])
 
 
-def places_table(found: xr.Dataset) -> Table:
+def places_table(check: xr.Dataset) -> Table:
     """V and H and the pattern, a row a place; of one that was not reached its name and these words alone."""
     rows: list[tuple[str, ...]] = []
-    for place in found["place"].values:
-        one = found.sel(place=place)
+    for place in check["place"].values:
+        one = check.sel(place=place)
         value = {str(name): variable.item() for name, variable in one.data_vars.items() if not variable.ndim}
         if np.isnan(value["v"]):
             rows.append((str(place), "not reached", *[""] * (len(HEADERS) - 2)))
@@ -271,15 +271,15 @@ def places_table(found: xr.Dataset) -> Table:
     return Table(HEADERS, rows, variables=VARIABLES)
 
 
-def reasons(found: xr.Dataset) -> list[str]:
+def reasons(check: xr.Dataset) -> list[str]:
     """Lines on the places that were not reached."""
-    names = [f"reason_{place}" for place in found["place"].values]
-    return [f"{name.removeprefix('reason_')}: {found.attrs[name]}" for name in names if name in found.attrs]
+    names = [f"reason_{place}" for place in check["place"].values]
+    return [f"{name.removeprefix('reason_')}: {check.attrs[name]}" for name in names if name in check.attrs]
 
 
-def totals(found: xr.Dataset) -> str:
+def totals(check: xr.Dataset) -> str:
     """Total V, total H and H/V in one line."""
-    v, h, ratio = (float(found[name]) for name in ("total_v", "total_h", "h_over_v"))
+    v, h, ratio = (float(check[name]) for name in ("total_v", "total_h", "h_over_v"))
     if np.isnan(v):
         return "toe to heel: unknown, as toe and heel were not both reached"
     return f"toe to heel: total V {v:+.3f} mm, total H {h:+.3f} mm, H/V {ratio:+.3f}"

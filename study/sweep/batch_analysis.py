@@ -223,11 +223,11 @@ def _reason(text: str) -> str:
     return shortened(printable(" ".join(text.split())), REASON_LENGTH_LIMIT)
 
 
-def _stacked(found: Mapping[int, xr.Dataset], count: int) -> tuple[dict[str, Array], str]:
+def _stacked(results: Mapping[int, xr.Dataset], count: int) -> tuple[dict[str, Array], str]:
     """Numbers of all points in one array each, and their layout."""
     numbers: dict[str, Array] = {}
     layout: dict[str, Any] = {"variables": {}, "coordinates": {}}
-    for place, dataset in found.items():
+    for place, dataset in results.items():
         for name in dataset.dims:
             if name in dataset.coords:
                 layout["coordinates"][str(name)] = dataset[name].values.tolist()
@@ -241,7 +241,7 @@ def _stacked(found: Mapping[int, xr.Dataset], count: int) -> tuple[dict[str, Arr
                 }
                 layout["variables"][str(name)] = {"dimensions": list(map(str, variable.dims)), "flags": flags}
             numbers[str(name)][place] = variable.values
-    return numbers, json.dumps(layout) if found else ""
+    return numbers, json.dumps(layout) if results else ""
 
 
 #: File that says which sweep a store is of, and the map of its batches.

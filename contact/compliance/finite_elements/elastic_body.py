@@ -202,14 +202,14 @@ class _Bricks:
 
 
 def substructures(
-    cells: Integers, nodes: Integers, stiffness: Array, held: Integers, kept: Integers = NO_NODES
+    cells: Integers, nodes: Integers, stiffness: Array, fixed: Integers, kept: Integers = NO_NODES
 ) -> Substructures:
-    """Factor a body of bricks, keeping the nodes ``kept`` (k); the nodes ``held`` do not move.
+    """Factor a body of bricks, keeping the nodes ``kept`` (k); the nodes ``fixed`` do not move.
 
     A ``GeometryError`` refuses held and kept nodes that leave a part of the body free to move.
     """
     fate = np.zeros(max(nodes.max(), cells.max()) + 1, dtype=np.int64)
-    fate[held] = -1
+    fate[fixed] = -1
     fate[kept] = 1
     counts = np.bincount(nodes.ravel(), minlength=fate.size)
     counts[kept] += 1  # a brick that never comes: they are not eliminated
@@ -319,7 +319,7 @@ def functionals(count: int, nodes: Integers, weights: Array, direction: Array) -
 
 
 def elastic_body(
-    nodes: Array, cells: Integers, held: Integers, material: Material, *, functions: ShapeFunctions = shape_functions
+    nodes: Array, cells: Integers, fixed: Integers, material: Material, *, functions: ShapeFunctions = shape_functions
 ) -> Substructures:
     """Assemble and factor a body of bricks with some nodes held."""
-    return substructures(cells, *brick_stiffness(nodes, cells, material, functions), held)
+    return substructures(cells, *brick_stiffness(nodes, cells, material, functions), fixed)

@@ -300,11 +300,11 @@ def _flank_arrays(size: LatticeSize) -> Shapes:
 
 
 def _flank(
-    found: Mapping[str, Array], pair: GearPair, member: MemberName, material: Material, body: ToothBody, key: str
+    stored: Mapping[str, Array], pair: GearPair, member: MemberName, material: Material, body: ToothBody, key: str
 ) -> FlankCompliance:
     """Compliance from its arrays, kept under a key, on the body that the tooth shares with its neighbours."""
     ends = end_faces(named_member(pair, member))
-    flank = FlankCompliance(found["lengthwise"], found["profile"], found["factor"], ends=ends)
+    flank = FlankCompliance(stored["lengthwise"], stored["profile"], stored["factor"], ends=ends)
     if not body.neighbours:
         return flank
     size = ring_size()

@@ -54,21 +54,21 @@ def pitch_angle(lattice: ToothLattice, teeth: int) -> float:
 
 
 def ring_compliance(
-    lattice: ToothLattice, teeth: int, material: Material, loads: csc_array, held: Integers
+    lattice: ToothLattice, teeth: int, material: Material, loads: csc_array, fixed: Integers
 ) -> RingCompliance:
     """Compliance of all teeth of a member on one body, from a lattice of one pitch, mid slot to mid slot.
 
-    The unit loads (3 m, n) are also the displacements wanted; ``held`` are the same nodes on both sides.
+    The unit loads (3 m, n) are also the displacements wanted; ``fixed`` are the same nodes on both sides.
     """
     from scipy.linalg import cho_factor, cho_solve
 
     angle = pitch_angle(lattice, teeth)
-    movable = ~np.isin(lattice.sides[0].ravel(), held)
+    movable = ~np.isin(lattice.sides[0].ravel(), fixed)
     on_sides = np.concatenate([side.ravel()[movable] for side in lattice.sides])
-    loaded = np.setdiff1d(loads.tocoo().row // 3, np.concatenate([on_sides, held]))
+    loaded = np.setdiff1d(loads.tocoo().row // 3, np.concatenate([on_sides, fixed]))
     kept = np.concatenate([on_sides, loaded])
     bricks = brick_stiffness(lattice.nodes, lattice.cells, material)
-    matrix = substructures(lattice.cells, *bricks, held, kept).stiffness
+    matrix = substructures(lattice.cells, *bricks, fixed, kept).stiffness
     sides, within = slice(0, 3 * on_sides.size), slice(3 * on_sides.size, None)
     to_sides, forces = matrix[within, sides], loads.tocsr()[displacements(loaded)].toarray()
     moved = cho_solve(cho_factor(matrix[within, within]), np.concatenate([to_sides, forces], axis=1))

@@ -212,7 +212,7 @@ def _solved(
 ) -> tuple[Array, Array, Array, Array, Integers]:  # fmt: skip
     """Results of `solve_batch`: forces, gaps, secant compliances of line contacts, numbers and counts."""
     shape = separation.shape
-    found = np.empty(shape), np.empty(shape), np.empty(shape if law.size else (0, 0)), np.empty((shape[0], 10))
+    results = np.empty(shape), np.empty(shape), np.empty(shape if law.size else (0, 0)), np.empty((shape[0], 10))
     counts = np.empty((shape[0], 2), dtype=np.int64)
-    solve_batch(tuple(modes), factor, torque, separation, arm, local, diagonal, law, mask, *found, counts)
-    return *found, counts
+    solve_batch(tuple(modes), factor, torque, separation, arm, local, diagonal, law, mask, *results, counts)
+    return *results, counts

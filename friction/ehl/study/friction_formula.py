@@ -477,9 +477,9 @@ def compare(dataset: xr.Dataset, formula: FrictionFormula | Callable[..., ArrayL
     return _compared(dataset, coefficients)
 
 
-def _compared(dataset: xr.Dataset, own: ArrayLike) -> tuple[RegimeError, ...]:
+def _compared(dataset: xr.Dataset, computed: ArrayLike) -> tuple[RegimeError, ...]:
     good = dataset["status"].values == Status.CERTIFIED
-    error = np.log(np.asarray(own) / dataset["friction_coefficient"].values)
+    error = np.log(np.asarray(computed) / dataset["friction_coefficient"].values)
     return _by_regime(np.exp(lambda_ratio(*logarithms_of(*study_inputs(dataset))))[good], error[good])
 
 

@@ -188,10 +188,10 @@ def _rows(meaning: QuantityKind, values: xr.Dataset, slopes: xr.Dataset | None, 
     return level, np.asarray(change.values, dtype=np.float64).reshape(level.size, -1)
 
 
-def _chosen(found: xr.DataArray, meaning: QuantityKind, torque: int) -> xr.DataArray:
+def _chosen(values: xr.DataArray, meaning: QuantityKind, torque: int) -> xr.DataArray:
     if meaning.member is not None:
-        found = found.isel(member=("pinion", "gear").index(meaning.member))
-    return found.isel(torque=torque) if "torque" in found.dims else found
+        values = values.isel(member=("pinion", "gear").index(meaning.member))
+    return values.isel(torque=torque) if "torque" in values.dims else values
 
 
 def turned(change: Array, arm: Array) -> Array:

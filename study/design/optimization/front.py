@@ -95,9 +95,9 @@ def front_point(outcome: Outcome, judgement: Judgement) -> FrontPoint:
     ratio, objective, limited = judgement.worst(point.read)
     ((_, ceiling),) = outcome.point.judgement.ceilings
     violation, ceiling = judgement.merit(point.read).violation, ceiling if np.isfinite(ceiling) else np.nan
-    found = outcome.values, outcome.rounded, ratio, objective, limited, outcome.prices, violation, ceiling
+    numbers = outcome.values, outcome.rounded, ratio, objective, limited, outcome.prices, violation, ceiling
     rounding, analyses = (outcome.rounding_change, outcome.rounding_loss), point.workshop.effort.analyses
-    return FrontPoint(*found, outcome.ended == "converged", *rounding, analyses, outcome)
+    return FrontPoint(*numbers, outcome.ended == "converged", *rounding, analyses, outcome)
 
 
 def front(

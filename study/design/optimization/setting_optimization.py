@@ -259,7 +259,7 @@ def _limits(texts: Sequence[str], pairs: Sequence[GearPair]) -> tuple[QuantityLi
 
 
 def sampled_assemblies(
-    own: Misalignment, distributions: Mapping[str, Distribution | str], count: int | None, seed: int = 0
+    base: Misalignment, distributions: Mapping[str, Distribution | str], count: int | None, seed: int = 0
 ) -> list[Misalignment]:
     """Assemblies with errors drawn from distributions, the others being those of one assembly.
 
@@ -274,10 +274,11 @@ def sampled_assemblies(
     if count is None:
         return []
     values = sample_values(chosen, count, seed=seed)
-    return [with_errors(own, {name: float(drawn[number]) for name, drawn in values.items()}) for number in range(count)]
+    samples = [{name: float(drawn[number]) for name, drawn in values.items()} for number in range(count)]
+    return [with_errors(base, sample) for sample in samples]
 
 
-def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distribution | str]) -> list[Misalignment]:
+def corner_assemblies(base: Misalignment, distributions: Mapping[str, Distribution | str]) -> list[Misalignment]:
     """Assemblies with every bounded error at its least or greatest value, all of them together; none without bounds.
 
     A normal distribution has no bounds; its error is left as it is. Samples seldom reach the corners, where most
@@ -287,7 +288,7 @@ def corner_assemblies(own: Misalignment, distributions: Mapping[str, Distributio
     ends = {name: (one.parameters[0], one.parameters[-1]) for name, one in chosen.items() if one.kind != "normal"}
     if not ends:
         return []
-    return [with_errors(own, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
+    return [with_errors(base, dict(zip(ends, corner, strict=True))) for corner in itertools.product(*ends.values())]
 
 
 def _distributions(given: Mapping[str, Distribution | str]) -> dict[str, Distribution]:

@@ -122,26 +122,26 @@ class SettingSearch:
                 unrounded = str(error)
         return AnalysedSettings(settings, changes, readings, self._start, judgement, workshop), case, unrounded
 
-    def settled(self, judgement: Judgement, here: AnalysedSettings | None = None) -> Outcome:
+    def settled(self, judgement: Judgement, start: AnalysedSettings | None = None) -> Outcome:
         """The best settings for a judgement, from the start or from others that are analysed with their own teeth."""
-        here = self.begun(judgement) if here is None else here.judged_by(judgement)
+        start = self.begun(judgement) if start is None else start.judged_by(judgement)
         done: list[tuple[int, Step]] = []
         outcomes: list[Outcome] = []
         radius = FIRST_RADIUS
         for number in range(ROUND_LIMIT):
             programme, left = partial(self._programme, judgement), self._steps - len(done)
             local_search = search(
-                here, programme, steps=left, radius=radius, tolerance=self._tolerance, progress=self._progress
+                start, programme, steps=left, radius=radius, tolerance=self._tolerance, progress=self._progress
             )
             done += [(number, step) for step in local_search.steps]
             if outcomes and not any(step.accepted for step in local_search.steps):
                 break
-            outcomes.append(self._rounded(local_search, here, judgement))
+            outcomes.append(self._rounded(local_search, start, judgement))
             last = outcomes[-1]
             enough = not last.unrounded and last.rounding_loss <= self._tolerance.gain
-            if enough or len(done) >= self._steps or last.point is here or not last.point.differentiable:
+            if enough or len(done) >= self._steps or last.point is start or not last.point.differentiable:
                 break
-            here, radius = last.point, float(np.clip(local_search.radius, LATER_RADIUS, FIRST_RADIUS))
+            start, radius = last.point, float(np.clip(local_search.radius, LATER_RADIUS, FIRST_RADIUS))
         best = min(outcomes, key=lambda one: (bool(one.unrounded), one.point.merit.total))
         return replace(best, steps=tuple(done), ended=local_search.ended)
 

@@ -173,11 +173,11 @@ def search(
             radius = min(2.0 * radius, RADIUS_LIMIT)
 
 
-def _moved(here: Any, answer: StepAnswer) -> tuple[Any, str]:
+def _moved(point: Any, answer: StepAnswer) -> tuple[Any, str]:
     """The point that a programme proposes; or none, and why it has no analysis."""
     if not answer.solved:
         return None, f"the programme has no answer: {answer.status}"
     try:
-        return here.moved(answer.step), ""
+        return point.moved(answer.step), ""
     except EaseoffError as error:
         return None, str(error)
