@@ -44,19 +44,20 @@ def _modal(problem: ScaledProblem, active: Bools, budget: StepBudget) -> ScaledA
 def _regularised(problem: ScaledProblem, active: Bools, budget: StepBudget, near: ScaledAnswer | None) -> Answers:
     """Answers near a singular compliance, where updated inverses lose digits: one better than the next.
 
-    The segments in contact of the answer before, solved for anew; then compliances with ever less more on the diagonal,
-    each from the forces of the one before. What is more acts on the change of the forces alone (proximal points,
-    Rockafellar 1976, doi 10.1137/0314056): in the end there is none, and the answer is that of the compliance as given.
+    The segments in contact of the answer before, solved for anew; then compliances with an addition to the diagonal,
+    smaller each time, from the forces of the one before. The addition acts on the change of the forces alone (proximal
+    points, Rockafellar 1976, doi 10.1137/0314056): where they no longer change, the answer is that of the compliance as
+    given.
     """
     if near is not None:
         yield exact_answer(problem, near, exchanges=0)
     diagonal, force = problem.compliance.diagonal(), np.zeros(active.size)
     for share in SHARES:
-        more = share * diagonal
+        added = share * diagonal
         other = replace(
             problem,
-            given_compliance=problem.compliance + np.diag(more),
-            separation=problem.separation - more * force,
+            given_compliance=problem.compliance + np.diag(added),
+            separation=problem.separation - added * force,
         )
         start = force > 0.0 if force.any() else active
         answer = primal_dual_active_set(other, start, budget, max_iterations=SHARE_STEPS)

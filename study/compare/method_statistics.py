@@ -83,6 +83,12 @@ def shifted_geometric_mean(values: Array, shift: float) -> float:
     return float(np.exp(np.mean(np.log(values + shift))) - shift)
 
 
+def mean_time(times: Any, time_limit: float) -> float:
+    """Shifted geometric mean of times [s]; one that is not finite counts with the time limit."""
+    values = np.asarray(times, dtype=float)
+    return shifted_geometric_mean(np.where(np.isfinite(values), values, time_limit), RUN_TIME_SHIFT)
+
+
 def waiting_solvers(dataset: xr.Dataset) -> dict[str, float]:
     """Median of wall over processor time by solver, where above ``1 + WAITING_EXCESS``: other work took its turn.
 
@@ -183,6 +189,7 @@ def by_problem(dataset: xr.Dataset) -> Any:
         polished=("polished", "all"),
         uncertified=("uncertified", "any"),
         denied=("denied", "any"),
+        worst=("worst_residual", "max"),
         run_time=("run_time", "median"),
         shortest=("run_time", "min"),
         longest=("run_time", "max"),
@@ -209,9 +216,7 @@ def methods(problems: Any, time_limit: float) -> list[MethodName]:
 def merit(problems: Any, method: MethodName, time_limit: float) -> tuple[float, float, int]:
     """Rank of a method among others, the least first; see ``methods``."""
     rows = of_method(problems, method)
-    times = rows["run_time"].to_numpy(dtype=float)
-    mean = shifted_geometric_mean(np.where(np.isfinite(times), times, time_limit), RUN_TIME_SHIFT)
-    return -float(rows["certified"].mean()), mean, int(rows["uncertified"].sum())
+    return -float(rows["certified"].mean()), mean_time(rows["run_time"], time_limit), int(rows["uncertified"].sum())
 
 
 def headline(named: list[MethodName]) -> list[MethodName]:

@@ -227,8 +227,7 @@ def run_time_summary(dataset: xr.Dataset, problems: Any, named: list[MethodName]
     limit = float(dataset.attrs["time_limit_s"])
 
     def cells(records: Any) -> list[str]:
-        times = records["run_time"].to_numpy(dtype=float)
-        mean = statistics.shifted_geometric_mean(np.where(np.isfinite(times), times, limit), statistics.RUN_TIME_SHIFT)
+        mean = statistics.mean_time(records["run_time"], limit)
         spread = quantiles(records["spread"][records["certified"]], (0.5, 0.9))
         return [*map(milliseconds, [mean, *quantiles(records["run_time"])]), *map(ratio, spread)]
 

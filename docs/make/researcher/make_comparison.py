@@ -27,13 +27,11 @@ from easeoff.contact import SOLVERS
 from easeoff.study.compare import compare, write_comparison
 from easeoff.study.compare.comparison_table import read_table
 from easeoff.study.compare.method_statistics import (
-    RUN_TIME_SHIFT,
-    attempts_of,
     by_problem,
     headline,
+    mean_time,
     methods,
     of_method,
-    shifted_geometric_mean,
 )
 from easeoff.study.library.library_files import write_library
 from easeoff.study.report.comparison_report import milliseconds, ratio, residual, start_table, work_precision_tables
@@ -48,6 +46,8 @@ REPETITIONS = 2
 ACCURACIES = ("1e-08", "1e-12")  # whose shares are listed
 STARTS = ("solver", "cold [ms]", "warm [ms]", "ratio", "certified, warm")  # columns of the table of starts
 COLOURS = 96
+#: Times of the whole call and of the bare one.
+TIMES = ("wall_time", "call_time")
 #: Certificates that answers at the solvers' own settings are held to.
 LEVELS = (1e-3, 1e-5, 1e-7)
 PICTURES = ("performance_profile", "data_profile", "pairs", "work_precision", "run_time")
@@ -59,8 +59,8 @@ def best_table(table: Any) -> str:
     found = {solver: of_method(problems, (solver, "scaled", "cold")) for solver, _, _ in headline(named)}
     limit = float(table.attrs["time_limit_s"])
     whole, bare = (
-        {solver: _mean(rows[name].where(rows["certified"]), limit) for solver, rows in found.items()}
-        for name in ("wall_time", "call_time")
+        {solver: mean_time(rows[name].where(rows["certified"]), limit) for solver, rows in found.items()}
+        for name in TIMES
     )
     rows = []
     for solver, answers in found.items():
@@ -80,26 +80,19 @@ def best_table(table: Any) -> str:
 
 def default_table(table: Any) -> str:
     """Each solver at its own settings: its claims, how accurate they are, mean times of what it calls solved."""
-    _, named = statistics(table)
-    frame = attempts_of(table)
+    problems, named = statistics(table)
     limit, rows = float(table.attrs["time_limit_s"]), []
     for solver, _, _ in headline(named):
-        found = frame[(frame["solver"] == solver) & (frame["settings"] == "default")]
-        if not len(found):
+        answers = of_method(problems, (solver, "default", "cold"))
+        if not len(answers):
             continue
-        problems = found.groupby(["problem_file", "problem"], sort=False).agg(
-            claims=("claims", "all"),
-            worst=("worst_residual", lambda values: values.fillna(np.inf).max()),
-            whole=("wall_time", "median"),
-            bare=("call_time", "median"),
-        )
-        solved = problems[problems["claims"]]
+        solved = answers[answers["claims"]]
         rows.append(
             [
                 solver,
                 str(len(solved)),
                 *(str(int((solved["worst"] <= level).sum())) for level in LEVELS),
-                *(milliseconds(_mean(problems[name].where(problems["claims"]), limit)) for name in ("whole", "bare")),
+                *(milliseconds(mean_time(answers[name].where(answers["claims"]), limit)) for name in TIMES),
             ]
         )
     return _table(["solver", "says solved", *(f"to {level:.0e}" for level in LEVELS), "whole [ms]", "bare [ms]"], rows)
@@ -115,7 +108,7 @@ def outside_table(table: Any) -> str:
             found = of_method(problems, (solver, "scaled", "cold"))
             found = found[found["kind"] == kind]
             count = int(found["certified"].sum())
-            time = milliseconds(_mean(found["call_time"].where(found["certified"]), limit))
+            time = milliseconds(mean_time(found["call_time"].where(found["certified"]), limit))
             row.append(f"{count}: {time}" if count else "0")
         rows.append(row)
     return _table(["certified: bare [ms]", *KINDS], rows)
@@ -136,12 +129,6 @@ def _settings(settings: Any) -> str:
     return ", ".join(f"{key} = {value!r}" for key, value in settings.items())
 
 
-def _mean(times: Any, limit: float) -> float:
-    """Shifted geometric mean of times [s]; what has none counts with the limit."""
-    values = times.to_numpy(dtype=float)
-    return shifted_geometric_mean(np.where(np.isfinite(values), values, limit), RUN_TIME_SHIFT)
-
-
 def _rank(means: dict[str, float], solver: str) -> int:
     return 1 + sum(mean < means[solver] for mean in means.values())
 
@@ -154,9 +141,8 @@ def time_table(table: Any) -> str:
     limit, rows = float(table.attrs["time_limit_s"]), []
     for method in headline(named):
         found = of_method(problems, method)
-        times = found["run_time"].to_numpy(dtype=float)
         solved = found[found["certified"]]
-        mean = shifted_geometric_mean(np.where(np.isfinite(times), times, limit), RUN_TIME_SHIFT)
+        mean = mean_time(found["run_time"], limit)
         worst = table["worst_residual"].values[
             (table["solver"].values == method[0]) & (table["settings"].values == "scaled")
         ]
