@@ -42,6 +42,7 @@ class SolverSettings:
     requirement: str
     licence: str  # SPDX; copyleft ones are optional extras of their own
     kind: str
+    work: str = ""  # key of the published work that it is from; empty if none
     sparse: bool = False
     tolerance: float = EXACT_TOLERANCE  # certificate of unpolished answers with these settings
     #: Segments up to which it keeps the tolerance on the problem library; None for all; only `lemke` refuses more.

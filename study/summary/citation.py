@@ -6,7 +6,6 @@ A result rests on published works by what its attributes say of pair, elastic te
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from importlib import resources
@@ -70,10 +69,17 @@ def package() -> PublishedWork:
     return PublishedWork("easeoff", "misc", fields)
 
 
-_ENTRIES = tomllib.loads(resources.files(__package__).joinpath("published_works.toml").read_text(encoding="utf-8"))
-#: Keys of works by solver, with a DOI as in the bibliography; solvers that are not here have none there.
-SOLVER_WORKS = {entry.pop("solver"): key for key, entry in _ENTRIES.items() if "solver" in entry}
-WORKS = {key: PublishedWork(key, entry.pop("kind"), entry) for key, entry in _ENTRIES.items()}
+def _works_of(text: str) -> dict[str, PublishedWork]:
+    """Works of a BibTeX file that is laid out as `PublishedWork.bibtex` lays it out, by their keys."""
+    works = {}
+    for kind, key, body in re.findall(r"^@(\w+)\{(\w+),\n(.*?)^\}$", text, re.MULTILINE | re.DOTALL):
+        fields = dict(re.findall(r"^  (\w+) = \{+(.*?)\}+,$", body, re.MULTILINE))
+        plain = {name: re.sub(r"\\([&%$#_])", r"\1", value).replace("--", "-") for name, value in fields.items()}
+        works[key] = PublishedWork(key, kind, plain)
+    return works
+
+
+WORKS = _works_of(resources.files(__package__).joinpath("published_works.bib").read_text(encoding="utf-8"))
 
 #: Keys of works by the attribute and the model that it names.
 MODELS: dict[str, dict[str, tuple[str, ...]]] = {
@@ -181,6 +187,8 @@ def _library(attributes: Mapping[Any, Any]) -> ResultSource:
 
 def _solvers(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
     """Solvers of a comparison, with their versions."""
+    from ...contact.solvers.solver_table import SOLVERS
+
     try:
         versions = parsed_json(str(attributes.get("solver_versions", "{}")))
     except ValueError:
@@ -188,7 +196,7 @@ def _solvers(attributes: Mapping[Any, Any]) -> Iterator[ResultSource]:
     for name, number in versions.items() if isinstance(versions, dict) else ():
         solver = shortened(printable(str(name)), TEXT_LENGTH_LIMIT)
         remark = OWN_SOLVER if solver == "native" else ""
-        works = _works(SOLVER_WORKS[solver]) if solver in SOLVER_WORKS else ()
+        works = _works(SOLVERS[solver].work) if solver in SOLVERS and SOLVERS[solver].work else ()
         yield ResultSource("solver", f"{solver} {printable(str(number))}", works, remark)
 
 
