@@ -5,6 +5,7 @@ min 1/2 F'CF + S'F with F >= 0 and r'F = T: C is a covariance, a kernel or a Gra
 
 from __future__ import annotations
 
+import lzma
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from easeoff.contact import ContactProblem, write_problems
 
 Array = NDArray[np.float64]
 
-#: Numbers of unknowns of the problems in the comparison.
+#: Numbers of unknowns of the problems in the comparison that are made here.
 SIZES = (50, 150)
 #: Their kinds, in the order of the file, and what they are.
 KINDS = {
@@ -24,7 +25,10 @@ KINDS = {
     "factor-portfolio": "least variance under factors and variances of single assets, with expected returns",
     "support-vectors": "dual of a support vector machine, Gaussian kernel, classes that overlap: T = 0, S = -1",
     "mixture": "non-negative least squares with a sum: shares of known spectra in a measured one",
+    "maros-meszaros": "those of this form among the 138 of Maros and Meszaros (1999, doi 10.1080/10556789908805768)",
 }
+#: Names of the problems of the last kind and their least objectives as published with them, half of F'CF counted.
+LEAST_OBJECTIVES = {"DUAL1": 3.5012966e-2, "DUAL2": 3.3733676e-2, "DUAL3": 1.3575584e-1, "DUAL4": 7.4609084e-1}
 
 
 def portfolio(assets: int, observations: int, seed: int) -> ContactProblem:
@@ -66,18 +70,35 @@ def mixture(spectra: int, wavelengths: int, seed: int) -> ContactProblem:
     return ContactProblem(-known.T @ measured, np.ones(spectra), 1.0, known.T @ known)
 
 
+def maros_meszaros() -> Iterator[tuple[str, ContactProblem]]:
+    """Name and problem of DUAL1 to DUAL4: shares of 75 to 111 unknowns, whose limits of 1 never count.
+
+    Their file has three lines a problem: name, S (n), and the lower triangle of C by rows. The fifth of this form, TAME
+    of two unknowns, is a test.
+    """
+    text = lzma.decompress(Path(__file__).with_name("maros_meszaros.txt.xz").read_bytes()).decode("ascii")
+    for name, linear, quadratic in zip(*[iter(text.splitlines())] * 3, strict=True):
+        separation = np.array(linear.split(), dtype=float)
+        compliance = np.zeros((separation.size, separation.size))
+        compliance[np.tril_indices(separation.size)] = np.array(quadratic.split(), dtype=float)
+        compliance += np.tril(compliance, -1).T
+        yield name, ContactProblem(separation, np.ones(separation.size), 1.0, compliance)
+
+
 def outside_problems() -> Iterator[tuple[str, str, ContactProblem]]:
-    """Kind, name and problem: of each kind two of each size."""
+    """Kind, name and problem: of each kind two of each size, then those of others."""
     makers: dict[str, Any] = {
         "portfolio": lambda size, seed: portfolio(size, size // 2, seed),
         "factor-portfolio": lambda size, seed: factor_portfolio(size, 10, seed),
         "support-vectors": lambda size, seed: support_vectors(*overlapping_classes(size, seed)),
         "mixture": lambda size, seed: mixture(size, 2 * size, seed),
     }
-    for kind in KINDS:
+    for kind in makers:
         for size in SIZES:
             for seed in (1, 2):
                 yield kind, f"{kind}-{size}-{seed}", makers[kind](size, seed)
+    for name, problem in maros_meszaros():
+        yield "maros-meszaros", name, problem
 
 
 def write_outside(path: Path) -> None:
