@@ -260,7 +260,7 @@ def flank_response(
     instance("material", material, Material)
     instance("size", size, LatticeSize)
     lattice = tooth_lattice(pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICKS))
-    key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
+    key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.fixed_nodes, lattice.flank_normal, material)
     shapes = {"lengthwise": (None,), "profile": (None, None), "beyond_half_space": (None, None)}
     arrays = kept(key, shapes, lambda: _response(lattice, material, member))
     return FlankResponse(arrays["lengthwise"], arrays["profile"], arrays["beyond_half_space"])
@@ -271,7 +271,7 @@ def _response(lattice: ToothLattice, material: Material, member: str) -> dict[st
     chosen = (slice(1, -1), slice(lowest, -1))  # nothing is known of a force on the edge itself
     loaded, normal = lattice.flank[chosen].ravel(), lattice.flank_normal[chosen].reshape(-1, 3)
     with filling(member):
-        whole = surface_compliance(lattice.nodes, lattice.cells, lattice.held, material, loaded, normal)
+        whole = surface_compliance(lattice.nodes, lattice.cells, lattice.fixed_nodes, material, loaded, normal)
     position = lattice.nodes[loaded]
     distance = np.linalg.norm(position[:, None] - position, axis=2)
     np.fill_diagonal(distance, np.inf)

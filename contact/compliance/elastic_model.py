@@ -257,10 +257,10 @@ def body_coupling(elastic: tuple[ElasticTooth, ElasticTooth]) -> BodyCoupling | 
 class Loads:
     """Unit loads on segments (n).
 
-    Inner products of the rows of ``own``, summed over its parts, are bending compliances on one tooth pair [mm/N].
+    Inner products of the rows of ``on_teeth``, summed over its parts, are bending compliances on one tooth pair [mm/N].
     """
 
-    own: tuple[Array, ...]  # (n, k) each; one array would take longer to fill than to use
+    on_teeth: tuple[Array, ...]  # (n, k) each; one array would take longer to fill than to use
     on_bodies: Array
 
 
@@ -292,7 +292,7 @@ class UnitLoads:
         key = rows.tobytes()
         if key in self.known:
             return self.known[key]
-        compressed = compressed_block(self._rows(rows, lambda loads: loads.own))
+        compressed = compressed_block(self._rows(rows, lambda loads: loads.on_teeth))
         if np.all(rows < len(self.on_lines.on_bodies)):
             self.known[key] = compressed
         return compressed

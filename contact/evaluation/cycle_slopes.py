@@ -84,7 +84,7 @@ def case_slopes(
     result = []
     for case, softer in zip(cases, _deflection_slopes(cases), strict=True):
         segments, force = case.segments, case.solution.force
-        if segments.held is not None:
+        if segments.support is not None:
             raise InputError("cases: must be those of rigid supports to have derivatives")
         rows = slopes.rows(case)
         known = np.flatnonzero(rows >= 0)  # edges without load have no part in the derivatives
@@ -245,13 +245,13 @@ OF_ROOTS = ("root_stress_history", "max_root_stress")
 
 
 def root_stress_slopes(
-    directions: FieldDirections, teeth: Teeth, found: Sequence[CaseSlopes], stress: xr.Dataset
+    directions: FieldDirections, teeth: Teeth, cases: Sequence[CaseSlopes], stress: xr.Dataset
 ) -> dict[str, tuple[tuple[str, ...], Array]]:
     """Derivatives of ``root_stress_history`` and ``max_root_stress``, with their dimensions."""
-    pairs, count = stress["pair"].values, found[0].rotation.size
+    pairs, count = stress["pair"].values, cases[0].rotation.size
     history = stress["root_stress_history"].transpose("torque", "member", "mesh_position", "pair").values
     slopes = np.full((*history.shape, count), np.nan)
-    for one in found:
+    for one in cases:
         segments, force = one.case.segments, one.case.solution.force
         of_case = one.case.torque, slice(None), one.case.mesh_position
         column = np.searchsorted(pairs, segments.pair)

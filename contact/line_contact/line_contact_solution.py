@@ -299,8 +299,8 @@ def solve_at_torques(
         known = [_compiled_answers(series, contact) for series, contact in zip(by_problem, contacts, strict=True)]
     starts: list[Array | None] = [None] * len(bendings)
     for number, problems in enumerate(at_torques):
-        found = [answers[number] for answers in known]
-        solved = list(_completed(problems, contacts, starts, found, solver, **options))
+        at_torque = [answers[number] for answers in known]
+        solved = list(_completed(problems, contacts, starts, at_torque, solver, **options))
         starts = [solution.force if solution.certified else None for solution, _ in solved]
         yield solved
 

@@ -83,15 +83,15 @@ def load_response(
     curvature: Array,
     at_end: Bools,
     cycle: int,
-    held: bool = False,
+    pull: bool = False,
 ) -> LoadResponse:
     """One solved contact problem as affine functions of the coefficients, from its tangent compliance [mm/N].
 
     That is positive definite on the segments in contact, at least one.
-    Solution (n) [N], (n) [mm], [rad]; derivatives of the separation (n, p) [mm per unit]. With ``held`` all segments
+    Solution (n) [N], (n) [mm], [rad]; derivatives of the separation (n, p) [mm per unit]. With ``pull`` all segments
     are in contact, by pulling if need be.
     """
-    active = np.full(force.size, held) | (force > 0.0)
+    active = np.full(force.size, pull) | (force > 0.0)
     system = touching_system(compliance, lever_arm, active)
     change = system.solve(-separation, np.zeros(separation.shape[1]))
     # To a force of its own while the loaded segments keep contact [mm/N].

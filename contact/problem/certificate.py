@@ -255,7 +255,7 @@ class Certificate:
         entries = [math.inf if math.isnan(value) else value for value in self.violations]
         return CERTIFICATE_FIELDS[entries.index(max(entries))]
 
-    def told(self, tolerance: float = EXACT_TOLERANCE) -> str:
+    def verdict(self, tolerance: float = EXACT_TOLERANCE) -> str:
         """Return in words whether it passes a tolerance, the worst violation, its rounding, and the digits left.
 
         Parameters
@@ -265,7 +265,7 @@ class Certificate:
 
         Examples
         --------
-        >>> Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).told(1e-8)
+        >>> Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).verdict(1e-8)
         'misses 1e-08: worst violation 1e-07, of negative_gap (rounding bound 0); 15 digits left by cancellation'
         """
         if not self.worst < math.inf:
@@ -276,8 +276,8 @@ class Certificate:
         return f"{verdict}: {worst} (rounding bound {self.resolution:.1g}); {left}"
 
     def __str__(self) -> str:
-        """As `told` says it of the tolerance of exact answers."""
-        return self.told()
+        """As `verdict` says it of the tolerance of exact answers."""
+        return self.verdict()
 
 
 #: What it says of itself.

@@ -309,18 +309,18 @@ class ChosenSolver:
     """A solver that can be used, of the table or one's own: what a user's choice stands for, see `chosen_solver`."""
 
     name: str
-    own: Solver | None  # None: of the table
+    declaration: Solver | None  # None: of the table
     asked: str  # as the user named it
 
     @property
     def is_native(self) -> bool:
         """True for the native solver."""
-        return self.own is None and self.name == "native"
+        return self.declaration is None and self.name == "native"
 
     @property
     def facts(self) -> Solver | SolverSettings:
         """Declared properties."""
-        return self.own or SOLVERS[self.name]
+        return self.declaration or SOLVERS[self.name]
 
 
 #: What names a solver: a name, ``module:function``, a function, its declaration, or what was found for one of these.

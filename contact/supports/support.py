@@ -122,7 +122,7 @@ def inverse(stiffness: Array, free: Sequence[tuple[Array, MemberAxis]] = (), kep
     return np.asarray(0.5 * (compliance + compliance.T))
 
 
-def held(compliance: Array, couples: Array) -> Array:
+def constrained(compliance: Array, couples: Array) -> Array:
     """A compliance (n, n) with the rotations held that couples (n, m) turn."""
     for couple in couples.T:
         turned = compliance @ couple
@@ -421,7 +421,7 @@ class Supports:
             block = slice(6 * i, 6 * i + 6)
             shift[block, block] = shift_matrix(ORIGIN, member.reference)
         # A couple is the same about every point.
-        return shift.T @ held(self.compliance, couples[:, 1:] if self.wind_up else couples) @ shift
+        return shift.T @ constrained(self.compliance, couples[:, 1:] if self.wind_up else couples) @ shift
 
     def relative(self, assembly: Assembly) -> Array:
         """Twist of the pinion relative to the gear for the wrench of the gear on the pinion, about the origin (6, 6).

@@ -392,12 +392,12 @@ def points_at(
     """
     kept, known = start, True
 
-    def derivatives(here: Array, active: Integers) -> tuple[Array, Array]:
+    def derivatives(parameters: Array, active: Integers) -> tuple[Array, Array]:
         nonlocal kept, known
         if known:
             known = False
             return locate(kept)
-        points = SurfacePoints.of(surface, here)
+        points = SurfacePoints.of(surface, parameters)
         kept = points if active.size == target.shape[1] else kept.with_others(active, points)
         return locate(points)
 

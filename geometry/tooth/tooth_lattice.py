@@ -100,7 +100,7 @@ class ToothLattice:
         Nodes (2 l + 1, 2 t + 1, 2 (d + u) + 1) of the tooth and the body under it.
     root_row
         Third index in ``column`` where the tooth begins.
-    held
+    fixed_nodes
         Nodes at the bottom and at both sides of the body.
     flank_normal
         Unit normals (2 l + 1, 2 u + 1, 3) of the loaded side at the nodes ``flank``, outwards.
@@ -133,7 +133,7 @@ class ToothLattice:
     cells: Integers
     column: Integers
     root_row: int
-    held: Integers
+    fixed_nodes: Integers
     flank_normal: Array
     lengthwise: Array
     profile: Array

@@ -273,10 +273,10 @@ class Attempt:
 def load_adapter(solver: str) -> Adapter | Solver | None:
     """Adapter of a solver by name, or the declaration of one's own (``module:function``); None for the native one."""
     chosen = chosen_solver(solver)
-    if chosen.own is None:
+    if chosen.declaration is None:
         return None if chosen.is_native else adapter_of(chosen.name)
     importlib.import_module("qpsolvers")  # slow imports are not to be timed
-    return chosen.own
+    return chosen.declaration
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,7 @@ from ..analysis.operating import FrictionConditions, Operating
 from ..analysis.swept_quantity import ASSEMBLY, Stage, swept_quantity
 from ..case_in_mesh import FlanksInMesh, case_attributes, deflection_attributes, misalignment_attributes, prepared_pair
 from ..deviations import Deviated, Source, deviation_attributes, flank_deviations
-from ..progress import shows_progress, told
+from ..progress import callback, shows_progress
 from .batch_analysis import Batch, BatchStore, Block, analyze_batch, assembly_errors
 from .engine import cluster_client, in_processes, in_this_process, on_cluster
 from .sweep_file import SWEEP_SCHEMA_VERSION, PointStatus
@@ -147,7 +147,7 @@ def sweep(
     friction = FrictionConditions(speed, temperature, roughness, oil, friction_model, friction_feedback)
     operating = Operating(flanks, torques, edge_contact, marking, solver, friction)
     plan = planned_sweep(case, over, operating, load_cases=load_cases, samples=samples, seed=seed, sampler=sampler)
-    return run_plan(plan, workers=workers, scheduler=scheduler, store=store, fresh=fresh, progress=told(progress))
+    return run_plan(plan, workers=workers, scheduler=scheduler, store=store, fresh=fresh, progress=callback(progress))
 
 
 def run_plan(

@@ -167,7 +167,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
 def body_stiffness(lattice: ToothLattice, joint: Integers, functions: Array, material: Material) -> Array:
     """Stiffness (3 r, 3 r) of the body alone against displacements of its joint with the tooth, as functions (n, r)."""
     cells = lattice.cells[: lattice.body_bricks]
-    body = substructures(cells, *brick_stiffness(lattice.nodes, cells, material), lattice.held, joint)
+    body = substructures(cells, *brick_stiffness(lattice.nodes, cells, material), lattice.fixed_nodes, joint)
     motions = np.kron(functions, np.eye(3))
     result = motions.T @ body.stiffness @ motions
     return np.asarray(0.5 * (result + result.T))
@@ -357,7 +357,7 @@ def _condensed(lattice: ToothLattice, material: Material, member: str, fineness:
     needed = FACTOR_SIZE * len(lattice.nodes) ** FACTOR_EXPONENT
     require_memory(f"fineness = {fineness:g}", needed, f"the {member} by finite elements")
     with filling(member):
-        body = elastic_body(lattice.nodes, lattice.cells, lattice.held, material)
+        body = elastic_body(lattice.nodes, lattice.cells, lattice.fixed_nodes, material)
     feet, (stresses, station) = foot_displacements(lattice), stress_functionals(lattice, material)
     response = body.response(flank_loads(lattice), hstack([feet, stresses], format="csc"))
     count = feet.shape[1]

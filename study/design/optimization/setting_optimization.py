@@ -27,7 +27,7 @@ from ...analysis.case_analysis import analyze
 from ...analysis.contact_analysis import case_torques
 from ...analysis.operating import operation_of
 from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
-from ...progress import shows_progress, told
+from ...progress import callback, shows_progress
 from ...sweep.sweep_plan import Distribution, sample_values
 from .aim import NEEDED, Aim, ContactQuantity, Judgement, Objective, QuantityLimit
 from .analysed_settings import Workshop, usual_root_line_change
@@ -178,7 +178,7 @@ def optimize(
     workshop = replace(workshop, space=replace(space, free=bounded))
     tolerance = FRONT_TOLERANCE if form == "pareto" else USUAL_TOLERANCE
     searching = SettingSearch(
-        workshop, readings, steps=steps, tolerance=tolerance, progress=told(progress), stage=stage
+        workshop, readings, steps=steps, tolerance=tolerance, progress=callback(progress), stage=stage
     )
     judgement = Judgement(aim, aim.references(searching.begun(Judgement(aim, ())).read))
     start = searching.begun(judgement)
