@@ -263,7 +263,7 @@ def between_regimes(conditions: ContactConditions) -> Bools:
 
 
 def formula_flags(conditions: ContactConditions, coefficient: Array | None = None) -> Flags:
-    """Which inputs of ``formula_coefficient`` were clamped, and which lie outside the data of the regression (...).
+    """Flags (...) of the inputs that ``formula_coefficient`` clamped, and of those outside the regression's data.
 
     Parameters
     ----------

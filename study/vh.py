@@ -233,7 +233,7 @@ def found_dataset(searches: Mapping[str, Found], places: Array, patterns: Shifte
 
 
 def _reason(search: Found, size: Array) -> str:
-    """Why a place is not reached, and how near the pattern came."""
+    """Reason why a place is not reached, and the nearest pattern."""
     said = REASONS[search.status]
     if not np.all(np.isfinite(search.centre)):
         return said

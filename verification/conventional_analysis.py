@@ -246,7 +246,7 @@ def relative_curvature(
     gear_surface
         The gear flank.
     contact
-        Points from ``point_contact.path_of_contact``; where they did not converge the result is NaN.
+        Points from ``path_of_contact``; where they did not converge the result is NaN.
 
     Examples
     --------

@@ -323,7 +323,7 @@ class Shell:
 
     @property
     def _feels_mid_surface_loads(self) -> Bools:
-        """Which degrees of freedom a load on the mid-surface does work on, (n_dof)."""
+        """True for degrees of freedom (n_dof) on which a load on the mid-surface does work."""
         fields = {term.field for term in self.kinematics.displacement_terms if term.coefficient != "offset"}
         felt = np.isin(np.arange(len(self.functions.root_powers)), list(fields))
         return np.repeat(felt, self.size // felt.size)

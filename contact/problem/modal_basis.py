@@ -332,7 +332,7 @@ class BendingFactor:
 
     @cached_property
     def labels(self) -> BlockLabels:
-        """Which rows and columns share no entry with others."""
+        """Groups of rows and columns."""
         return block_labels(self.factor)
 
     @property
@@ -342,7 +342,7 @@ class BendingFactor:
 
     @cached_property
     def is_shared(self) -> Bools:
-        """Which columns couple blocks (k)."""
+        """True for the columns (k) that couple blocks."""
         if self.labels.has_full_rows:
             return np.zeros(self.factor.shape[1], dtype=np.bool_)
         return shared_columns(self.factor, self.labels.blocks)

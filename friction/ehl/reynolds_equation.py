@@ -62,7 +62,7 @@ from .hierarchical_matrix import Deflection
 from .lubricated_contact import LubricatedContact
 
 #: Smallest film thickness in the cube of the flow under pressure, as a fraction of the unit a^2 / R. The iteration may
-#: pass through thinner and negative films; no answer may, see ``FilmCertificate``.
+#: pass through thinner and negative films; no answer may, see ``Certificate``.
 THINNEST_FILM = 1e-9
 #: Largest ln(viscosity) that is told apart from a solid: the flow under pressure is nil long before.
 LOG_VISCOSITY_LIMIT = 100.0
@@ -218,7 +218,7 @@ PRESSURE_TOLERANCE = 1e-9
 
 
 class State(StoredStatus):
-    """Which condition holds at a node; the order is that of the members of the condition.
+    """Condition that holds at a node; the order is that of the members of the condition.
 
     Examples
     --------
@@ -364,7 +364,7 @@ def _attempt(problem: Problem, pressure: Array, approach: float, pace: Pace, spe
 
 
 def _states(problem: Problem, point: Point, pace: Pace) -> States:
-    """Which member of the condition is the smallest, each in units of pressure."""
+    """Number of the smallest member of the condition at each node, in units of pressure."""
     influence = problem.deflection.influence[[2, 1, 0, 1]]  # at the distances of hierarchical.OFFSETS
     by_own_pressure = np.abs(point.balance.by_pressure[2] + influence @ point.balance.by_film)
     by_own_pressure[[0, -1]] = 1.0

@@ -169,7 +169,7 @@ def free_settings(surface: GeneratingSurface, given: Sequence[str] | None) -> tu
 
 
 def _reason(name: str) -> str:
-    """Why a setting that exists elsewhere cannot be moved here."""
+    """Reason why a setting that exists elsewhere cannot be moved here."""
     if name == "ratio_of_roll" or name in MODIFIED_ROLL_ORDERS or MOTION_PATTERN.fullmatch(name):
         return "; this member is Formate and has no roll"
     if name in TILTS:

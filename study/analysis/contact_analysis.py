@@ -332,7 +332,7 @@ def _part_over_torque(loaded: xr.Dataset, cases: list[LoadedCase], part: slice) 
 
 
 def _not_ended(part: LoadedPart) -> str:
-    """Why rounds of a part did not end; empty if they did."""
+    """Reason why rounds of a part did not end; empty if they did."""
     return str(part.groups["supports"].attrs.get("rounds_not_ended", "")) if part.groups else ""
 
 
@@ -378,7 +378,7 @@ def _same_assembly(state: CaseInMesh, other: CaseInMesh) -> bool:
 
 
 def _sharp_roots(state: CaseInMesh) -> list[str]:
-    """Why teeth by finite elements have no root stress; empty if both have it."""
+    """Reasons why teeth by finite elements have no root stress; empty if both have it."""
     return [tooth.no_root for tooth in state.teeth or () if tooth.root is None]
 
 

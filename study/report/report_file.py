@@ -333,7 +333,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
 
 
 def _analysed(tree: xr.DataTree) -> list[tuple[str, str]]:
-    """When and by which version a result was made, from its history."""
+    """Time and version of a result's analysis, from its history."""
     history = str(tree.attrs.get("history", "")).splitlines()
     if not history or not history[-1].strip():
         return []

@@ -234,7 +234,7 @@ def finite_element_tooth(
 
 
 def _sharp_root(pair: GearPair, member: MemberName) -> str:
-    """Why the root of the loaded side has no stress to compute; empty if it has a fillet."""
+    """Reason why the root of the loaded side has no stress to compute; empty if it has a fillet."""
     surface = named_member(pair, member).loaded
     if surface.blade.edge_radius > 0.0:
         return ""

@@ -603,7 +603,7 @@ def _take(n: Any, level: int, arm: Any, local: Any, linear: bool, guess: float, 
 
 
 def _start(n: Any, total: int, torque: float, mask: Any, b: int) -> tuple[float, float]:
-    """Amplitudes and rotation at which the segments that are taken to touch stick; and the rotation of `_winkler`."""
+    """Amplitudes and rotation at which the segments that are taken to touch stick; and `winkler_rotation`."""
     winkler, some = 0.0, False
     if mask.shape[0]:
         for x in range(total):

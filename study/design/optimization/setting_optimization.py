@@ -79,7 +79,7 @@ def optimize(
     case
         A checked case, or what ``read_case`` takes.
     minimize
-        Quantities, as ``peak_to_peak``, ``harmonic_1`` or ``max_pressure``, see ``contact_quantity.NAMES``; with
+        Quantities, as ``peak_to_peak``, ``harmonic_1`` or ``max_pressure``, see ``aim.NAMES``; with
         ``@TORQUE`` at one torque alone, with ``drive.`` or ``coast.`` on one side.
     limits
         Of the same quantities: ``max_pressure@250<=1500``. If ``root_line_change`` is not among them, it is limited to
