@@ -12,7 +12,7 @@ Printed with lost symbols, the three expressions were restored: see the document
 with L the lambda ratio, SR slide-to-roll, H = pressure over contact modulus, Sc = composite roughness and Seq = product
 over sum of both roughnesses, over the radius.
 
-Ranges of friction formulas: flags of what was clamped or extrapolated, and its part of the power loss.
+Flags tell what was clamped or extrapolated, of this formula and of others, and its part of the power loss.
 """
 
 from __future__ import annotations

@@ -2,12 +2,9 @@
 
 V is a displacement along the offset, added to E of the misalignment; H one of the pinion along its axis, added to P.
 
-Search for the displacements V and H at which a pattern is centred at a place of the flank.
-
-Newton's method with Broyden's update of the derivatives: an evaluation is a whole unloaded analysis, and the centre
-moves smoothly with V and H until the edges of the teeth cut the pattern. Steps are shortened until they lead nearer.
-
-Unloaded patterns of a pair at displacements V and H, and their numbers as a dataset.
+The search is Newton's method with Broyden's update of the derivatives: an evaluation is a whole unloaded analysis, and
+the centre moves smoothly with V and H until the edges of the teeth cut the pattern. Steps are shortened until they lead
+nearer.
 """
 
 from __future__ import annotations

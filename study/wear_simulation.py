@@ -1,9 +1,7 @@
 """Wear over many revolutions, the contact computed anew as the flanks change; lapping is wear with its own coefficient.
 
 Archard's law alone is not more than a law of proportion: the coefficient is the user's. It gathers lubrication,
-materials and, in lapping, the compound.
-
-Wear law: coefficients, step, stop and duty cycle.
+materials and, in lapping, the compound. With step, stop and duty cycle it makes the wear law.
 """
 
 from __future__ import annotations

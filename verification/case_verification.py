@@ -1,8 +1,7 @@
 """Verification of a case: its pair put through the independent methods, one row a comparison.
 
-What a row outside its limit means, and what to do, in one line.
-
-Table of a verification as text, row by row: widths do not depend on the rows that come.
+The table is text, row by row, with widths that do not depend on the rows that come. Of a row outside its limit a line
+says what that means, and what to do.
 """
 
 from __future__ import annotations

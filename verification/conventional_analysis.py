@@ -5,21 +5,16 @@ both members' curvatures the line through it, as the major axis of an ellipse. T
 flanks' symmetric third-order terms both direction and length of a true line differ from it in proportion to the
 separation at which the line ends.
 
-Curvature of a generated flank from two directions: an independent check of the fundamental forms.
+Curvature is taken from two directions, independently of the fundamental forms. Along each of the two parameter curves
+the normal turns by the normal curvature in the tangent plane's one direction and by the geodesic torsion in the other
+(Kolivand 2009, Eq. 2.9 to 2.13). Two normal curvatures and one torsion make the shape operator; the other torsion has
+to agree.
 
-Along each of the two parameter curves the normal turns by the normal curvature in the tangent plane's one direction and
-by the geodesic torsion in the other (Kolivand 2009, Eq. 2.9 to 2.13). Two normal curvatures and one torsion make the
-shape operator; the other torsion has to agree.
+At a given pinion rotation the two flanks touch where positions and normals agree: five equations for the two parameters
+of each flank and the gear rotation (Kolivand 2009, Eq. 2.14; Litvin).
 
-Conventional unloaded tooth contact analysis: an independent check of the ease-off method.
-
-At a given pinion rotation the two flanks touch where positions and normals agree: five equations for the two
-parameters of each flank and the gear rotation (Kolivand 2009, Eq. 2.14; Litvin).
-
-Relative curvature of the two members at a point of contact: direction and length of the contact line.
-
-The second-order picture of conventional tooth contact analysis (Kolivand 2009, Eq. 2.15 to 2.18): next to the point of
-contact the gap is half the relative curvature times the distance squared, the contact line runs where it is smallest.
+To second order (Kolivand 2009, Eq. 2.15 to 2.18), next to the point of contact the gap is half the relative curvature
+times the distance squared, and the contact line runs where it is smallest.
 """
 
 from __future__ import annotations

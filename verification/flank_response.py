@@ -4,8 +4,6 @@ Between two points a distance r apart the compliance is that of a half space, (1
 body adds. The latter is smooth and is interpolated between nodes; the former is integrated in closed form over the
 cells of a pressure field by whoever has such cells.
 
-A force on a half space: displacements and tractions of a point force.
-
 The field of a normal point force on the surface of a half space (J. Boussinesq 1885; K. L. Johnson, Contact Mechanics,
 1985, section 3.2) in vectors: with the unit normal N into the body, d from the force to the point, rho = |d| and
 z = d . N,
@@ -13,8 +11,6 @@ z = d . N,
     u = P / (4 pi G) [ z d / rho^3 + (3 - 4 nu) N / rho - (1 - 2 nu) grad ln(rho + z) ].
 
 It also solves the equations of elasticity beyond the plane z = 0, up to the ray on which rho + z = 0.
-
-Compliance of a loaded surface with itself, the indentation included.
 
 The displacement under a point force has no limit, and bricks of some millimetres know nothing of it. It is known in
 closed form, though: near the force the body is a half space. The finite elements solve for the rest alone. With the

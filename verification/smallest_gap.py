@@ -7,10 +7,9 @@ pairs of points that belong to both flanks is the closing angle at which the too
 inside, and along every edge of either member on the flank of the other; a flank ends at toe, heel, tip, its root line
 and where the blade's edge radius begins to cut.
 
-The gap between two flanks at a position of the mesh, along the normal of the gear, without any approximation.
-
-Both members stand where their shafts have turned them; from points of the gear flank a ray runs along the outward
-normal to the pinion flank. Negative where the flanks overlap.
+The gap along the normal of the gear is found without any approximation, too. Both members stand where their shafts have
+turned them; from points of the gear flank a ray runs along the outward normal to the pinion flank. Negative where the
+flanks overlap.
 """
 
 from __future__ import annotations

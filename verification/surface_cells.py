@@ -3,7 +3,7 @@
 The line of the ease-off method only says where to lay the cells. Their points and normals are those of the generated
 gear flank, their gap is that to the generated pinion flank, both at their position of the mesh.
 
-Gap of potential contact segments against that of the turned flanks, on contact lines and on edges.
+Gaps of potential contact segments, on contact lines and on edges, are compared with that of the turned flanks.
 """
 
 from __future__ import annotations

@@ -1,10 +1,8 @@
 """Elastic model of a tooth pair, and its bending compliance under loads along the contact normals.
 
-Coupling of tooth pairs through the bodies of pinion and gear, as modes that all pairs of a mesh position share.
-
-Unit loads on the segments of a mesh cycle, and the bending compliance at a mesh position by modes of tooth pairs.
-
-Segments on different tooth pairs are coupled through the bodies of the members alone.
+From unit loads on the segments of a mesh cycle follows the bending compliance at a mesh position, by modes of tooth
+pairs. Segments on different tooth pairs are coupled through the bodies of pinion and gear alone, by modes that all
+pairs of the position share.
 """
 
 from __future__ import annotations

@@ -1,19 +1,13 @@
 """Derivatives of a mesh cycle as a dataset: ease-off, roll angle, unloaded and loaded contact.
 
-Derivatives of the loaded contact over a mesh cycle: rotation, forces, pressures and load shares.
-
 The elastic teeth and the segments in contact are held: within a touching set everything is smooth, and across its
 changes forces and rotation are continuous. At every mesh position the system of the touching segments that Newton's
 method ended with is solved once more, with the changes of gap, lever arm and deflection by all settings on the right.
+From these follow pressures, load shares, centre and extent of the load, with the layout of the loaded dataset.
 
-Derivatives of centre and extent of the load on the flank over a mesh cycle.
-
-Derivatives of the variables of the loaded contact, with the layout of its dataset.
-
-Derivatives of the root stress: linear in the segments' forces, with responses that depend on their places.
-
-The largest stress keeps its place in the root and its direction. It changes with the forces on the nodes of the flank,
-which follow the segments' forces and the shares of these that fall to each node.
+The root stress is linear in the segments' forces, with responses that depend on their places. The largest stress keeps
+its place in the root and its direction. It changes with the forces on the nodes of the flank, which follow the
+segments' forces and the shares of these that fall to each node.
 """
 
 from __future__ import annotations

@@ -4,14 +4,10 @@ Segments of contact lines move with their lines, to the ends at edges if these m
 place along the edge; what of it may touch changes with the settings. All that follows from fields and lines in closed
 form or by Newton's method, and is differentiated by central differences along their exact derivatives.
 
-Derivatives of the numbers of a transmission error over the mesh cycle.
-
-Splines of the contact's fields on the gear flank, moved along the derivatives by several settings.
-
-Motion of the contact lines with the settings: implicit derivatives of the level sets of the roll angle.
-
-A point of a line moves across it as the roll angle there changes. An end moves to where line and boundary of the common
-flank meet then. Between the ends points stay evenly spaced in length on the gear flank, which moves as well.
+Fields are splines on the gear flank, moved along their derivatives by several settings; contact lines are level sets of
+the roll angle. A point of a line moves across it as the roll angle there changes. An end moves to where line and
+boundary of the common flank meet then. Between the ends points stay evenly spaced in length on the gear flank, which
+moves as well. Numbers of a transmission error over the mesh cycle are differentiated, too.
 """
 
 from __future__ import annotations

@@ -4,8 +4,6 @@ Across a contact line the gap grows both ways. Beyond the end of a line, and on 
 longer, the way to the closest approach leaves a flank: the flanks come closest at the edge where it does. An edge of
 the gear is fixed on the gear flank; an edge of the pinion moves over it as the pinion turns, see ``closest_approach``.
 
-Contact lines that end at the edges, where the closest approach beside them does.
-
 A contact line is the curve of conjugate contact, clipped to both flanks. The flanks come closest a little beside it, on
 steep ease-offs by some tenths of a millimetre. Where a line runs into an edge at a small angle, its last part can have
 its closest approach beyond the edge. There is no flank there: the edge itself touches. At the other end the closest

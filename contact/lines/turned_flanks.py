@@ -8,15 +8,9 @@ An ease-off that was put in by hand or updated for deviations has no surface of 
 is added to the gap, and what it changes of the roll angle is taken off the rotation: beside its own contact lines the
 gap opens as that of the generated flanks does. That is right to the first order of the change.
 
-How far the cut of one flank part lies from where it ends: at its blade section's ends, or where another cuts deeper.
-
 A blade with a toprem or flankrem cuts every part of the flank with a section of its own. Where sections join at a
-protruding kink both cut the same points, and the deeper cut remains (``geometry/flanks/flank.py``).
-
-Where circles about the gear axis meet the turned pinion flank, with derivatives by the circle.
-
-The azimuth of a meeting follows from one step of Newton's method on the generated surface; its derivatives by the axial
-and the radial coordinate of the circle follow from the pinion's normal.
+protruding kink both cut the same points, and the deeper cut remains (``geometry/flanks/flank.py``). A part ends where
+its blade section does, or where another cuts deeper.
 """
 
 from __future__ import annotations

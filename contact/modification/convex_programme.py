@@ -7,9 +7,8 @@ functions of the coefficients. The programme has a handful of unknowns, however 
 Conry and Seireg, A mathematical programming technique for the evaluation of load distribution and optimal modifications
 for gear systems, ASME Journal of Engineering for Industry 95(4) (1973) 1115-1122.
 
-Response of loads and rotation to a change of the separation, while the same segments touch.
-
-On the segments A in contact the gap is zero, elsewhere the force is. With the separation S + B m the conditions
+Loads and rotations are affine while the same segments touch. On the segments A in contact the gap is zero, elsewhere
+the force is. With the separation S + B m the conditions
 
     C_AA F_A + S_A + B_A m - r_A theta = 0,    r_A'F_A = T
 

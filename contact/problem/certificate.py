@@ -8,7 +8,7 @@ It counts its own rounding. A bound of the rounding stands beside the violations
 them; where the bound in double precision does not, the residuals are summed without error. Rotations count from first
 contact, which is known to twice the digits of a double, so that a large separation costs no digit.
 
-Residuals of the contact problem as given, each with a bound of its own rounding, in three degrees of care.
+Each residual has a bound of its own rounding, found with one of three degrees of care.
 
 1. In double precision, the rounding bounded by Cauchy and Schwarz, |C_ij| <= sqrt(C_ii C_jj), for no more than a few
    sums.
@@ -16,8 +16,6 @@ Residuals of the contact problem as given, each with a bound of its own rounding
 3. Sums free of error, rounded once, for some hundred products with C.
 
 The bounds hold for sums taken in any order (Higham 2002, Accuracy and Stability of Numerical Algorithms, chapter 3).
-
-An answer to a contact problem in the units of the problem, with its certificate.
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
 """Declaration of a solver of one's own: a function, the forms it takes, and what may be asked of it.
 
-Reading of what a function of one's own returned; whatever is no answer becomes a status with a reason.
-
-Where solvers of one's own are found: a declaration, a function, ``module:function``, or an entry point.
-
-A distribution announces its solvers in the entry-point group ``easeoff.solvers``, each by a name and the place of a
-function or a `Solver`. Nothing of it is imported before the solver is used.
+Whatever it returns that is no answer becomes a status with a reason. A solver is given as a declaration, a function,
+``module:function``, or an entry point. A distribution announces its solvers in the entry-point group
+``easeoff.solvers``, each by a name and the place of a function or a `Solver`. Nothing of it is imported before the
+solver is used.
 """
 
 from __future__ import annotations

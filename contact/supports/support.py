@@ -1,14 +1,10 @@
 """Supports of pinion and gear: shafts, bearings and housing as the compliance of rigid members.
 
-Wrenches, twists, stiffness and compliance, and how they change with the reference point.
-
 A wrench is a force [N] and its moment [N mm] about a point, a twist the translation [mm] of that point and a rotation
 [rad]: their product is work. All components are those of the pair's global frame.
 
-Stiffness and compliance matrices of supports: what is checked of them, and the inverse of a stiffness.
-
-A member has six rows: x, y, z of the force and of the moment, or of the translation and of the rotation; two members
-have twelve, the pinion first.
+In stiffness and compliance a member has six rows: x, y, z of the force and of the moment, or of the translation and of
+the rotation; two members have twelve, the pinion first.
 """
 
 from __future__ import annotations

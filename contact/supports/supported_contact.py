@@ -1,13 +1,11 @@
 """Loaded contact of a pair on its supports, with the motion of its members under load.
 
-Results of a pair on supports: misalignment under load, mesh force, bearing loads, shares of the rotation.
+The assembly under load is found in rounds. The contact problem of a round has the ease-off of its assembly, and what
+the members move beyond it to first order. What is left to the next round is that the forces turn and move with the
+flanks: about a hundredth of the change before.
 
-A pair on supports: its contact in one assembly, and the rounds that lead to the assembly under load.
-
-The contact problem of a round has the ease-off of its assembly, and what the members move beyond it to first order.
-What is left to the next round is that the forces turn and move with the flanks: about a hundredth of the change before.
-
-Relative motion of pinion and gear: a twist as E, P, G, Sigma and the rotations of both about their axes.
+The relative motion of pinion and gear is a twist, told as E, P, G, Sigma and the rotations of both about their axes.
+With it stand mesh force, bearing loads and shares of the rotation.
 """
 
 from __future__ import annotations

@@ -20,8 +20,7 @@ equations. The flow under pressure has the mean of rho phi / eta of both nodes, 
 where a gap closes, nothing flows through. Where asperities touch, only the part of P that the lubricant carries drives
 it, see ``fluid_part``.
 
-Film, rupture and touching asperities as one complementarity condition a node, and its semismooth Newton method.
-
+Film, rupture and touching asperities are one complementarity condition a node, solved by a semismooth Newton method.
 The lubricated contact asks at each node for
 
     P >= 0,   V >= 0,   g >= 0,   and one of them zero:    min(P, V, g) = 0.
@@ -39,10 +38,8 @@ these are as many equations as unknowns: the pressures, and the approach H_0 of 
 Each of the three is divided by a positive scale, and the smallest says which of them the next Newton step sets to zero.
 The linear system is that of ``hierarchical_matrix``, with the derivative by H_0 as a second right-hand side.
 
-Certificate of an answer of the film model: violations of each condition by pressures and approach.
-
-Everything is evaluated anew from pressures and approach, never taken from the iteration. All entries are dimensionless;
-zero is perfect.
+The certificate of an answer holds the violations of each condition by pressures and approach. Everything is evaluated
+anew from pressures and approach, never taken from the iteration. All entries are dimensionless; zero is perfect.
 """
 
 from __future__ import annotations

@@ -4,12 +4,8 @@ A generated flank has the two parameters (cutter angle, cradle rotation); the bl
 equation of meshing (Kolivand 2009, Eq. 2.8). A Formate flank is what the blade sweeps, with the parameters (cutter
 angle, blade coordinate). Every section of the blade has its own surface.
 
-The equation of meshing: the point of the blade that touches a generated flank (Kolivand 2009, Eq. 2.8).
-
-The edge, the velocity of its point by the cutter's turning and that by the cradle's lie in one plane there. A velocity
-by a rotation is given as (spin, shift): velocity = spin x point + shift.
-
-Points of a generating surface with their tangents, and the search for those with given coordinates.
+By that equation the edge, the velocity of its point by the cutter's turning and that by the cradle's lie in one plane
+where the blade touches the flank. A velocity by a rotation is given as (spin, shift): velocity = spin x point + shift.
 
 Cutting a point is the costly part of every flank: here it is done once a point, with its derivatives, which tell
 everything that depends on the place of the surface in space.

@@ -3,9 +3,7 @@
 The start is the pinion that the crown gear of the gear cuts: a machine without tilt whose cradle rolls as the gear's
 pitch cone does. Its machine root angle is then laid along the root cone of the pinion.
 
-The width of a pinion's slot at its mean point, where one cutter cuts both flanks of it.
-
-The machine without tilt: its root angle along the root cone of the pinion, its tip plane through that cone's apex.
+One cutter for both flanks also has to leave the pinion's slot as wide at its mean point as the blank says.
 
 The tip plane of the cutter stands still while the cradle turns. Seen from the work it envelops a cone with the machine
 root angle whose apex is where the work axis meets the plane: the root of the tooth lies on it, whatever else is set.

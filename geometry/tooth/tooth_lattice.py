@@ -14,12 +14,6 @@ between the root and a line at an even depth below it:
 Beyond toe and heel the body runs on a little, as blanks do: one that ended flush with the tooth would be much too soft
 there. The neighbouring teeth are left out: the body that all share is another lattice, of one pitch, from mid slot to
 mid slot (``LatticeSize(beside=0)``). Every brick has 27 nodes.
-
-The lattice of bricks in a tooth and its body, and the numbering of its nodes.
-
-Spacing of the bricks of a tooth's lattice: along the face, up the flank and through the tooth.
-
-The gear body under one tooth and beyond its ends, in the sections of the tooth's lattice.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Contact analysis of a case, in one assembly or, where the misalignment depends on the torque, in several.
 
-An analysis as labelled groups, and analyses of several assemblies joined along the torque into one.
-
-Loaded contact of a case on its supports, by the assemblies that are found under load.
+It has labelled groups; analyses of several assemblies, such as those that supports take under load, are joined along
+the torque into one.
 """
 
 from __future__ import annotations

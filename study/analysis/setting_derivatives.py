@@ -1,13 +1,9 @@
 """Derivatives of an analysis by machine and cutter settings, assembly errors, deviations and torque.
 
-Settings by which an analysis can be differentiated, under the names that sweeps have for them.
-
-Solved contact of a pair in mesh: the values of its analysis, and their derivatives when they are asked for.
-
-Derivatives of power loss and efficiency: differences of the friction stage along the directions of its inputs.
-
-Forces, lengths, radii and places of the loaded segments, points of action and axes have derivatives. Friction follows
-from them in closed form: a contact's losses once ahead and once behind for every setting, and nothing is solved.
+The settings bear the names that sweeps have for them. A pair is solved in mesh as in its analysis; derivatives are made
+when they are asked for. Forces, lengths, radii and places of the loaded segments, points of action and axes have
+derivatives. Friction follows from these inputs in closed form: a contact's losses once ahead and once behind for every
+setting, and nothing is solved.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""Topographies of measured flanks: deviations at the nodes of the grid as lines along the normal.
+"""Charts over a flank: topographies of measured ones, maps of what changes the ease-off, and the ease-off itself.
 
-Maps of what changes the ease-off of the gear flank: deviations, and a modification.
-
-Ease-off map: contour lines over the common flank, with the path of contact.
+A topography shows deviations at the nodes of the grid as lines along the normal; the ease-off has contour lines over
+the common flank, with the path of contact.
 """
 
 from __future__ import annotations

@@ -1,10 +1,7 @@
 """Comparison report in Markdown: what each solver claimed and what held, run times, residuals, failures, versions.
 
-Report table: rows of texts, as Markdown for the report, as CSV and as LaTeX.
-
-Answer tables: what each solver claimed and what held, by kind of problem, residuals, and failures.
-
-Time tables: run time, its parts, starts, pairs of solvers, growth with size, work against precision.
+A table is rows of texts, as Markdown for the report, as CSV and as LaTeX. Those of answers go by kind of problem; those
+of times have run time and its parts, starts, pairs of solvers, growth with size, work against precision.
 """
 
 from __future__ import annotations

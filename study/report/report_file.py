@@ -1,8 +1,7 @@
 """The report of one or several results as one HTML file that needs no network.
 
-What a report is made of: results, V-H checks, wear and load cases, told apart by what they hold.
-
-V-H check for the report: table, prints at toe, middle and heel, and those over the grid of V and H.
+It is made of results, V-H checks, wear and load cases, told apart by what they hold. A V-H check has a table and its
+prints at toe, middle and heel, and over the grid of V and H.
 """
 
 from __future__ import annotations

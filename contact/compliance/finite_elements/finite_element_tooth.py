@@ -1,11 +1,10 @@
 """Teeth of a pair by finite elements or as solid shells, kept on disk.
 
-Rayleigh-Ritz model of the solid tooth on its body of bricks.
-
-As in the shell, Legendre polynomials along the face and up the tooth are the trial functions of a Rayleigh-Ritz system;
-but they stand for all three displacements, there are more of them through the thickness, and the strain energy is that
-of the solid tooth on its generated surfaces, fillets and slanted ends included. The sections slant against the tooth:
-a wave along it takes more functions through it than the parabola of a straight one.
+The solid shell is a Rayleigh-Ritz model of the solid tooth on its body of bricks. As in the shell, Legendre polynomials
+along the face and up the tooth are the trial functions; but they stand for all three displacements, there are more of
+them through the thickness, and the strain energy is that of the solid tooth on its generated surfaces, fillets and
+slanted ends included. The sections slant against the tooth: a wave along it takes more functions through it than the
+parabola of a straight one.
 
 The body below is quadratic bricks, whose nodes on the joint follow the polynomials: no springs stand between. It is a
 Ritz system of both, too stiff by what its functions cannot follow; each function more makes it softer.

@@ -7,7 +7,7 @@ As in the model, the load is shared: with a the part that asperities carry and m
 in the logarithms of pressure, radius, rolling velocity, slide-to-roll ratio, viscosity, and lambda ratio by the film
 formula of Pan and Hamrock. Both limits of the lambda ratio are so met by the form itself.
 
-Regression of the friction formula on a study, and errors of formulas against the model.
+The polynomials are a regression on the study, with their errors against the model.
 """
 
 from __future__ import annotations
