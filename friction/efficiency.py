@@ -80,8 +80,8 @@ def friction(
     >>> case = easeoff.read_case("nasa-12x36")
     >>> coarse = {"mesh_positions": 4, "lengthwise_nodes": 21, "profile_nodes": 15}
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> found = friction(easeoff.analyze(case, torques=200.0), Operation(speed=1500.0, temperature=[60.0, 90.0]))
-    >>> (100.0 * found["efficiency"]).values.ravel().round(1)
+    >>> losses = friction(easeoff.analyze(case, torques=200.0), Operation(speed=1500.0, temperature=[60.0, 90.0]))
+    >>> (100.0 * losses["efficiency"]).values.ravel().round(1)
     array([97.8, 97.6])
     """
     model = checked_model(operation, model)

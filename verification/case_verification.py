@@ -236,8 +236,8 @@ def verify(
     ...     case.contact.model_copy(update=coarse),
     ...     case.compliance.model_copy(update={"model": "shell"}),
     ... )
-    >>> found = verify(case.model_copy(update={"contact": contact, "compliance": shells}), torques=250.0)
-    >>> found.passed, [row.quantity for row in found.outside][0]
+    >>> verification = verify(case.model_copy(update={"contact": contact, "compliance": shells}), torques=250.0)
+    >>> verification.passed, [row.quantity for row in verification.outside][0]
     (False, 'segments of a line: other numbers')
     """
     truth("without_split", without_split)

@@ -164,8 +164,8 @@ class RelativeCurvature:
     Examples
     --------
     >>> x, y = np.eye(3)[:2, :, None]
-    >>> found = RelativeCurvature(x, y, along_line=np.array([1e-4]), across_line=np.array([0.05]))
-    >>> found.equivalent_radius, found.half_length(5e-3)
+    >>> curvature = RelativeCurvature(x, y, along_line=np.array([1e-4]), across_line=np.array([0.05]))
+    >>> curvature.equivalent_radius, curvature.half_length(5e-3)
     (array([20.]), array([10.]))
     """
 
@@ -250,8 +250,8 @@ def relative_curvature(
     >>> from easeoff.verification.conventional_analysis import path_of_contact
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.zeros(1))
-    >>> found = relative_curvature(geometry.exact.motion, geometry.members.gear.surface, path)
-    >>> bool(0.0 < found.along_line[0] < found.across_line[0])
+    >>> curvature = relative_curvature(geometry.exact.motion, geometry.members.gear.surface, path)
+    >>> bool(0.0 < curvature.along_line[0] < curvature.across_line[0])
     True
     """
     instance("motion", motion, ConjugateMotion)

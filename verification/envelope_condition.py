@@ -107,8 +107,8 @@ class EnvelopeCondition:
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> found = envelope_condition(gear_pair(read_case("nasa-12x36")).pinion.middle())
-    >>> found.along_blade.shape
+    >>> condition = envelope_condition(gear_pair(read_case("nasa-12x36")).pinion.middle())
+    >>> condition.along_blade.shape
     (1,)
     """
 
@@ -128,8 +128,8 @@ def envelope_condition(flank: Flank) -> EnvelopeCondition:
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> found = envelope_condition(gear_pair(read_case("nasa-12x36")).pinion.middle())
-    >>> bool(found.position[0] < 1e-11), bool(found.normal[0] < 1e-11), bool(found.along_blade[0] < 1e-9)
+    >>> condition = envelope_condition(gear_pair(read_case("nasa-12x36")).pinion.middle())
+    >>> bool(condition.position[0] < 1e-11), bool(condition.normal[0] < 1e-11), bool(condition.along_blade[0] < 1e-9)
     (True, True, True)
     """
     instance("flank", flank, Flank)

@@ -165,8 +165,8 @@ def contact_of_flanks(
     >>> responses = flank_response(pair, "pinion", STEEL, size), flank_response(pair, "gear", STEEL, size)
     >>> mesh = lines_in_mesh(flanks.splines, pair.assembly.pinion_pitch, 4)
     >>> guess = {"half_width": 0.4, "rotation": 2e-4, "cells_per_half_width": 2.0, "beyond_lines": False}
-    >>> found = contact_of_flanks(flanks, responses, (STEEL, STEEL), mesh, 0, 100.0, **guess)
-    >>> print(found.load_share.sum().round(9))
+    >>> contact = contact_of_flanks(flanks, responses, (STEEL, STEEL), mesh, 0, 100.0, **guess)
+    >>> print(contact.load_share.sum().round(9))
     1.0
     """
     instance("flanks", flanks, FlanksInMesh)

@@ -65,8 +65,8 @@ class SmallestGap:
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> found = smallest_gap(geometry, np.array([0.0, 0.4]))
-    >>> found.edge.tolist()
+    >>> gap = smallest_gap(geometry, np.array([0.0, 0.4]))
+    >>> gap.edge.tolist()
     ['', 'pinion tip']
     """
 
@@ -92,8 +92,8 @@ def smallest_gap(geometry: PairGeometry, rotations: Array) -> SmallestGap:
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> found = smallest_gap(geometry, np.array([0.0]))
-    >>> bool(found.closing_angle[0] > geometry.ease_off.attrs["first_contact_rad"])
+    >>> gap = smallest_gap(geometry, np.array([0.0]))
+    >>> bool(gap.closing_angle[0] > geometry.ease_off.attrs["first_contact_rad"])
     True
     """
     instance("geometry", geometry, PairGeometry)

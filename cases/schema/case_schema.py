@@ -2,7 +2,7 @@
 
 Names follow the REXS standard where it has one; each has a usual one besides, for tables and pictures. A misspelt key
 is an error, never ignored. Misalignment is assembly errors, or a table of deflections over the torque. A cutter radius
-that is absurdly small beside the member, and usual after conversion, was given in inches.
+that is absurdly small beside the member, and usual after conversion, is refused as one in inches.
 """
 
 from __future__ import annotations

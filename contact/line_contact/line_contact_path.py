@@ -404,8 +404,8 @@ def line_contact_path(
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=7)
-    >>> here = cycle.segments.by_position[0]
-    >>> path = line_contact_path(here.bending_problem, here.line_contact, 0.0, 3e5 * cycle.ratio)
+    >>> segments = cycle.segments.by_position[0]
+    >>> path = line_contact_path(segments.bending_problem, segments.line_contact, 0.0, 3e5 * cycle.ratio)
     >>> path.certified, bool(path.enters[0]), path.torque[0].item()
     (True, True, 0.0)
     """

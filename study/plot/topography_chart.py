@@ -72,8 +72,8 @@ def topography(
     --------
     >>> import easeoff
     >>> case, measured = easeoff.read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}
-    >>> found = easeoff.study.correct_case(case, measured, free=["machine_root_angle"])
-    >>> figure = easeoff.plot.topography(found.corrections["gear"][0])
+    >>> corrected = easeoff.study.correct_case(case, measured, free=["machine_root_angle"])
+    >>> figure = easeoff.plot.topography(corrected.corrections["gear"][0])
     >>> len(figure.axes)
     2
     """

@@ -139,8 +139,8 @@ def sweep(
     >>> from easeoff.cases import read_case
     >>> case = read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    >>> found = sweep(case, {"E": [-0.05, 0.05], "torque": "100,200"}, workers=1)
-    >>> found["peak_to_peak"].dims, found["status"].values.tolist()
+    >>> dataset = sweep(case, {"E": [-0.05, 0.05], "torque": "100,200"}, workers=1)
+    >>> dataset["peak_to_peak"].dims, dataset["status"].values.tolist()
     (('E', 'torque'), [[0, 0], [0, 0]])
     """
     flanks = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
