@@ -265,7 +265,6 @@ def test_files_that_are_no_script(tmp_path: Path) -> None:
 @pytest.mark.parametrize("flank", ["CONCAVE", "CONVEX"])
 @pytest.mark.parametrize("member", ["PINION", "GEAR"])
 @pytest.mark.parametrize("radius", [300.0, 900.0])
-@pytest.mark.quick(4)
 def test_curved_blades_cut_the_flanks_of_the_programs_own_chain(
     member: str, flank: str, hand: str, radius: float, tmp_path: Path
 ) -> None:

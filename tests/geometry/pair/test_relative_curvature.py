@@ -204,7 +204,6 @@ def test_line_of_a_conjugate_pair_is_the_level_set_of_its_roll_angle() -> None:
 
 @pytest.mark.parametrize(("name", "flank"), [*SHIPPED, ("hobbed", "coast")])
 @pytest.mark.parametrize("misaligned", [False, True])
-@pytest.mark.quick(3)
 def test_gap_of_the_ease_off_method_has_the_relative_curvature_of_the_flanks(
     name: str, flank: FlankName, misaligned: bool
 ) -> None:
@@ -251,7 +250,6 @@ def test_gap_of_the_ease_off_method_has_the_relative_curvature_of_the_flanks(
 
 @pytest.mark.parametrize(("name", "flank"), [*SHIPPED, ("hobbed", "coast")])
 @pytest.mark.parametrize("misaligned", [False, True])
-@pytest.mark.quick(3)
 def test_contact_line_is_the_major_axis_of_the_contact_ellipse(name: str, flank: FlankName, misaligned: bool) -> None:
     """Direction and length at 6 um; halving the separation halves what is left, as the third-order terms say."""
     both = analysed(name, flank, misaligned)
