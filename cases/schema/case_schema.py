@@ -466,6 +466,10 @@ class Case(InputFile):
                     f"[blank_design] and [{name}.blank] are both given: basic data stand for the blanks of both "
                     "members, so leave out either [blank_design] or [pinion.blank] and [gear.blank]"
                 )
+        if self.blank_design is not None:
+            teeth = self.pinion.number_of_teeth, self.gear.number_of_teeth
+            basic = self.blank_design.completed(teeth, self.pair.shaft_angle, self.pair.hypoid_offset)
+            object.__setattr__(self, "blank_design", basic)
         if not self.contact.torques:
             torques = usual_torques(*self._size_of_the_teeth(), self.pinion.number_of_teeth)
             object.__setattr__(self, "contact", self.contact.model_copy(update={"torques": torques}))
@@ -482,7 +486,4 @@ class Case(InputFile):
             diameter = 2.0 * blank.outer_cone_distance * math.sin(math.radians(blank.pitch_angle))
             return diameter / teeth, blank.face_width
         assert basic is not None  # one of both is there
-        width, diameter = basic.gear_face_width, basic.gear_outer_pitch_diameter or 0.0
-        if basic.gear_mean_pitch_diameter is not None:
-            diameter = basic.gear_mean_pitch_diameter + width * teeth / math.hypot(teeth, self.pinion.number_of_teeth)
-        return diameter / teeth, width
+        return basic.tooth_size((self.pinion.number_of_teeth, teeth))

@@ -28,6 +28,7 @@ from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.design import slot_width
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ...geometry.design.closest_fit import require_usable, residual_limits
+from ...geometry.design.iso23509.usual_proportions import DefaultValue
 from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES, PairDesign
 from ...geometry.design.pinion_method import ADVICE, at_limit
 from ...geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
@@ -379,6 +380,8 @@ class DesignReport:
         Doubtful points, a sentence each.
     spaces
         Top lands, slots and fillets; ``None`` where they could not be measured.
+    defaults
+        Values taken for what the file leaves out, with their sources.
     analysable
         Whether both members have the whole teeth that the design's model of the elastic teeth needs.
 
@@ -396,6 +399,7 @@ class DesignReport:
     warnings: tuple[str, ...]
     analysable: bool = True
     spaces: ToothSpaces | None = None
+    defaults: tuple[DefaultValue, ...] = ()
 
 
 def checked_design(design: Design, designed: PairDesign) -> DesignReport:
@@ -439,7 +443,7 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         warnings += limit_pressure_angle_advice(basic_data, designed.blank)
         warnings += [*cutter_radius_advice(basic_data, designed.blank), *formate_advice(design, designed.blank)]
     warnings += [*small_target_advice(design), *offset_advice(design, basic_data)]
-    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces)
+    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces, design.defaults)
 
 
 def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
