@@ -40,7 +40,7 @@ def split() -> None:
         kernels: dict[str, list[FlankCompliance]] = {"foot": [], "same": [], "flank": []}
         for member in MEMBERS:
             lattice = tooth_lattice(pair, member, usual_size(pair, member))
-            solved = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
+            solved = elastic_body(lattice.nodes, lattice.cells, lattice.fixed_nodes, STEEL)
             loads, count = flank_loads(lattice), len(lattice.nodes)
             across = lattice.column[:, lattice.column.shape[1] // 2, lattice.root_row :].reshape(-1, 1)
             inward = -lattice.flank_normal.reshape(-1, 3)

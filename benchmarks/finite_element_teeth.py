@@ -84,7 +84,7 @@ def tooth(name: str, member: MemberName, size: LatticeSize | None = None, depth:
     start = time.process_time()
     lattice = tooth_lattice(pair, member, size or usual_size(pair, member), depth)
     made = time.process_time()
-    body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
+    body = elastic_body(lattice.nodes, lattice.cells, lattice.fixed_nodes, STEEL)
     solved = measured(name, member, lattice, body, foot_displacements(lattice), body.unknowns)
     return replace(
         solved, seconds=solved.seconds | {"lattice": made - start, "assembly and factor": solved.begun - made}

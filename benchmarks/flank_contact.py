@@ -128,7 +128,7 @@ def spot_on_tooth(middle: tuple[float, float], count: int) -> tuple[int, float, 
     )
     through = with_middles(steps(2.0 * SPOT[1] / count / 7.0, 1, 1.0, 1.7))
     lattice = tooth_lattice(pair, "gear", spacing=LatticeSpacing(lengthwise, upward, through))
-    body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
+    body = elastic_body(lattice.nodes, lattice.cells, lattice.fixed_nodes, STEEL)
     x, w = np.polynomial.legendre.leggauss(4)
     shape = quadratic(x)[0]
     load = np.zeros_like(lattice.nodes)

@@ -52,7 +52,7 @@ def rows_of(name: str, torque: float) -> list[list[Any]]:
     for member, pitches in zip(MEMBERS, PITCHES_PER_PAIR, strict=True):
         teeth = named_member(pair, member).teeth
         pitch, alone = (tooth_lattice(pair, member, replace(SIZE, beside=n)) for n in (0, 2))
-        body = elastic_body(alone.nodes, alone.cells, alone.held, STEEL)
+        body = elastic_body(alone.nodes, alone.cells, alone.fixed_nodes, STEEL)
         own = square_root(body.response(flank_loads(alone), foot_displacements(alone)))
         tooth = FlankCompliance(alone.lengthwise, alone.profile, own)
         coupled = with_body(tooth, *body_modes(pair, member, STEEL, ring_size()))

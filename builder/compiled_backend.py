@@ -83,14 +83,14 @@ class BuildKernels(build_ext):
             for types in source.parent.glob("*.pxd"):
                 shutil.copyfile(types, copy.with_name(types.name))
             copy.write_bytes(source.read_bytes() + f'\nSOURCE_DIGEST = "{source_digest(source)}"\n'.encode())
-        (found,) = cythonize(
+        (extension,) = cythonize(
             [type(ext)(ext.name, [str(copy)])],
             include_path=[str(copies)],
             force=True,
             quiet=True,
             shared_utility_qualified_name=ARRAYS,
         )
-        ext.sources, ext.depends = found.sources, []
+        ext.sources, ext.depends = extension.sources, []
         ext.extra_compile_args = FLAGS.get(self.compiler.compiler_type, [])
         linux = self.plat_name.startswith("linux")  # not that of the build where it is for another system
         ext.extra_link_args = ["-s"] if linux else []  # no names of functions: smaller

@@ -54,8 +54,8 @@ class Deflections:
 
     Examples
     --------
-    >>> found = Deflections([0.0, 100.0, 300.0], offset=[0.0, 0.02, 0.05])
-    >>> found.at(100.0).offset, round(found.at(400.0).offset, 4)
+    >>> deflections = Deflections([0.0, 100.0, 300.0], offset=[0.0, 0.02, 0.05])
+    >>> deflections.at(100.0).offset, round(deflections.at(400.0).offset, 4)
     (0.02, 0.0617)
     """
 

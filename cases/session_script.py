@@ -4,8 +4,6 @@ Keywords and signs are those that the public program SpyGO (``haomjc/SpyGO``) wr
 with; ``docs/engineer/reference/exchange.md`` has the table. A setting has the sign of ours, for both hands, with one
 exception: the vertical motion of a gear.
 
-The lines of a session script: which keyword has which value, for which member, flank and menu.
-
 A script is what one would type into the menus of the program: a menu is opened by its name and left by EXIT, a setting
 is a keyword with a value behind it, ``//`` begins a comment. Members are told apart by ROTOR and TYPE, flanks by
 CONCAVE and CONVEX. The nesting itself carries nothing more, so that it need not be complete: the one public writer of

@@ -1,10 +1,8 @@
 """Writing case files.
 
-Conversion of objects of the geometry to the tables of a case: the inverse of ``conversion``.
-
-Numbers are rounded to ten decimals of a millimetre or degree, far below anything a flank feels.
-
-A case with some of its numbers changed, by their dotted keys, and checked again.
+Objects of the geometry become tables of a case, the inverse of ``conversion``, with numbers rounded to ten decimals of
+a millimetre or degree, far below anything a flank feels. A case with some of its numbers changed, by their dotted keys,
+is checked again.
 """
 
 from __future__ import annotations

@@ -1,8 +1,6 @@
 """Loaded contact over a mesh cycle: forces, pressures, transmission error at every torque (Kolivand 2009, ch. 3).
 
-Peak to peak and harmonics of a transmission error over one mesh cycle.
-
-Solved cases of the loaded contact, and their dataset.
+From the solved cases follow their dataset, and of a transmission error peak to peak and harmonics over one mesh cycle.
 """
 
 from __future__ import annotations

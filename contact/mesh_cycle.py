@@ -251,8 +251,8 @@ class MeshCycle:
         >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
         >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
         >>> spring = Support((0.0, 0.0, 0.0), np.diag([5e-6, 5e-6, 5e-6, 1e-10, 1e-10, 1e-10]))
-        >>> found = cycle.supported([100.0], Supports(spring, spring))
-        >>> found.supports["rounds_status"].values.tolist()
+        >>> supported = cycle.supported([100.0], Supports(spring, spring))
+        >>> supported.supports["rounds_status"].values.tolist()
         [0]
         """
         from .supports.assembly_rounds import AssemblyRounds

@@ -45,7 +45,7 @@ class Segments:
     edge: Integers  # number among flank_edges; -1 on contact lines, as the element
     element: Integers
     wrench: Array | None = None  # of a unit normal force on the pinion, global frame (n, 6)
-    held: SupportModes | None = None
+    support: SupportModes | None = None
 
     @property
     def separation(self) -> Array:
@@ -70,16 +70,16 @@ class Segments:
 
     def moved(self, force: Array) -> Array:
         """Twist (6) of the pinion relative to the gear beyond what is in the separations, under forces (n) [N]."""
-        if self.held is None:
+        if self.support is None:
             return np.zeros(6)
-        return np.asarray(self.held.twist(self.mesh_wrench(force)) - self.held.absorbed)
+        return np.asarray(self.support.twist(self.mesh_wrench(force)) - self.support.absorbed)
 
     @cached_property
     def bending_problem(self) -> ContactProblem:
         """The contact problem without local compliance and without torque."""
         nothing, separation, basis = np.zeros(self.pair.size), self.separation, self.bending
-        if self.held is not None and self.wrench is not None:
-            separation, basis = self.held.separation(separation, self.wrench), self.held.basis(basis, self.wrench)
+        if self.support is not None and self.wrench is not None:
+            separation, basis = self.support.separation(separation, self.wrench), self.support.basis(basis, self.wrench)
         return ContactProblem.of_modes(separation, self.lever_arm, 0.0, nothing, basis)
 
 
@@ -325,7 +325,7 @@ class HeldMembers:
     def holding(self, segments: Sequence[Segments | None]) -> list[Segments | None]:
         """The segments of every mesh position with its supports."""
         both = zip(segments, self.modes, strict=True)
-        return [None if group is None else replace(group, held=modes) for group, modes in both]
+        return [None if group is None else replace(group, support=modes) for group, modes in both]
 
     def closing(self, segments: Segments, force: Array) -> float:
         """Rotation [rad] by which some gap on the flank closes farther, by the members' motion, than the gear turns."""

@@ -1,8 +1,7 @@
 """Attributes of variables: units, long names and comments of everything that leaves the package.
 
-Stored status: how a computation ended, as an integer in results.
-
-Values of a dataset's variables with their dimensions in a given order.
+A status, how a computation ended, is stored as an integer; values of a variable are read with dimensions in a given
+order.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ def message(text: str) -> str:
     lines = text.split("\n", LINE_COUNT_LIMIT)
     if len(lines) > LINE_COUNT_LIMIT:
         lines[LINE_COUNT_LIMIT:] = [f"and {lines[LINE_COUNT_LIMIT].count(chr(10)) + 1} more lines"]
-    words = [_LONG_WORD.sub(lambda found: shortened(found[0]), line) for line in lines]
+    words = [_LONG_WORD.sub(lambda match: shortened(match[0]), line) for line in lines]
     return "\n".join(printable(shortened(line, LINE_LENGTH_LIMIT)) for line in words)
 
 

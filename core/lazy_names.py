@@ -17,10 +17,10 @@ def lazy_names(package: str, file: str) -> tuple[Callable[[str], Any], Callable[
     """
     named, listed, names = lazy_loader.attach_stub(package, file)
 
-    def found(name: str) -> Any:
+    def public_name(name: str) -> Any:
         if name in names:
             return named(name)
         near = "" if name.startswith("_") else suggestion(name, names)
         raise AttributeError(f"module {package!r} has no attribute {name!r}{near}")
 
-    return found, listed, names
+    return public_name, listed, names

@@ -6,7 +6,7 @@ files; they read in a process of their own.
 The netCDF library follows links to other files without a question, and ends the process in a circle of groups. Neither
 can be told not to; h5py names a link before it is followed. A file that netCDF writes has no such links.
 
-Files of other versions of the package: what a message says of one that cannot be read, and by what it can.
+A file of another version of the package that cannot be read is refused with the version that can.
 """
 
 from __future__ import annotations

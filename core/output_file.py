@@ -1,13 +1,9 @@
 """Files to be written: whole or not at all, and paths checked before any work is done.
 
-Permissions of a file that replaces another.
-
-Private folder in which a file is written before it gets its name, and the remains of processes that were ended.
-
-The folder has a name that nobody can guess and lets in its owner alone, so that no link can wait in it for what is
-written. Its process holds the lock of a file in it: a folder whose lock is free belongs to a process that was ended.
-
-Lock of an open file, held until the file is closed or its process ends, however it ends.
+A file is written in a private folder before it gets its name, and the permissions of one that it replaces. The folder
+has a name that nobody can guess and lets in its owner alone, so that no link can wait in it for what is written. Its
+process holds the lock of a file in it until it ends, however it ends: a folder whose lock is free belongs to a process
+that was ended.
 """
 
 from __future__ import annotations

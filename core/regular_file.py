@@ -1,8 +1,7 @@
 """Files to be read: there, regular, readable, and not larger than their kind ever is.
 
-Text files in UTF-8, with or without a byte order mark, within limits of their size and of their lines.
-
-JSON whose every fault is a ``ValueError``.
+Text is in UTF-8, with or without a byte order mark, within limits of its size and of its lines; every fault of JSON is
+a ``ValueError``.
 """
 
 from __future__ import annotations

@@ -1,30 +1,23 @@
 """Temperature of the contact: flash temperature, moving bands of heat, and how the heat divides.
 
-Flash temperature: rise of the greatest temperature of a line contact over that of the teeth, after Blok.
+The flash temperature is the rise of the greatest temperature of a line contact over that of the teeth, after Blok. The
+heat of friction is spread over the contact as the Hertz pressure is. It moves over each flank at the velocity of that
+flank relative to the contact line, and divides so that both flanks have one greatest temperature (H. Blok, Theoretical
+study of temperature rise at surfaces of actual contact under oiliness lubricating conditions, Proceedings of the
+General Discussion on Lubrication, Institution of Mechanical Engineers, vol. 2, 1937, 222-235).
 
-The heat of friction is spread over the contact as the Hertz pressure is. It moves over each flank at the velocity of
-that flank relative to the contact line, and divides so that both flanks have one greatest temperature (H. Blok,
-Theoretical study of temperature rise at surfaces of actual contact under oiliness lubricating conditions, Proceedings
-of the General Discussion on Lubrication, Institution of Mechanical Engineers, vol. 2, 1937, 222-235).
-
-Surface temperature under a band of heat that moves over a half space (Jaeger 1942).
-
-J. C. Jaeger, Moving sources of heat and the temperature at sliding contacts, Journal and Proceedings of the Royal
-Society of New South Wales 76, 1942, 203-224. In the frame of the band the material runs towards positive x. With the
-half width b, the distribution w of the heat over xi = x/b (its integral is one) and the Peclet number L = u b/(2 a), a
-the diffusivity,
+The surface temperature is that under a band of heat that moves over a half space (J. C. Jaeger, Moving sources of heat
+and the temperature at sliding contacts, Journal and Proceedings of the Royal Society of New South Wales 76, 1942,
+203-224). In the frame of the band the material runs towards positive x. With the half width b, the distribution w of
+the heat over xi = x/b (its integral is one) and the Peclet number L = u b/(2 a), a the diffusivity,
 
     T k/Q = 1/pi integral w(s) exp(L (xi - s)) K0(L |xi - s|) ds
 
 where Q is the heat per length of the band and k the conductivity. All temperatures here are T k/Q.
 
-Greatest temperature under a moving band of elliptic heat, at any Peclet number, quickly.
-
-Both flanks at one temperature at every point of the contact: how the heat divides, from a linear system.
-
-Blok's partition matches the greatest temperatures alone. Here the band is cut into strips of uniform heat, each with
-the temperature of a moving uniform band in closed form, and the heat of every strip divides so that both flanks are
-equally warm in its middle.
+Blok's partition matches the greatest temperatures alone. For one temperature of both flanks at every point a linear
+system divides the heat: the band is cut into strips of uniform heat, each with the temperature of a moving uniform band
+in closed form, and the heat of every strip divides so that both flanks are equally warm in its middle.
 """
 
 from __future__ import annotations

@@ -1,11 +1,9 @@
 """Power loss and efficiency of a pair, from a stored result: the group ``/friction``.
 
-Friction, film and power loss of loaded contacts at many operating conditions, a block of contacts at a time. Arrays
-over (speed, temperature, roughness, contact): the contacts last, so that the innermost loops are long. What does not
-depend on a dimension has length one there.
-
-The hottest contact of a mesh cycle, at every operating condition, is found on the way; so are the least film thickness
-and where it is.
+Friction, film and losses are those of the loaded contacts at many operating conditions, a block of contacts at a time.
+Arrays are over (speed, temperature, roughness, contact), the contacts last, so that the innermost loops are long; what
+does not depend on a dimension has length one there. The hottest contact of a mesh cycle and the least film thickness
+with its place are found on the way, at every operating condition.
 """
 
 from __future__ import annotations
@@ -82,8 +80,8 @@ def friction(
     >>> case = easeoff.read_case("nasa-12x36")
     >>> coarse = {"mesh_positions": 4, "lengthwise_nodes": 21, "profile_nodes": 15}
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> found = friction(easeoff.analyze(case, torques=200.0), Operation(speed=1500.0, temperature=[60.0, 90.0]))
-    >>> (100.0 * found["efficiency"]).values.ravel().round(1)
+    >>> losses = friction(easeoff.analyze(case, torques=200.0), Operation(speed=1500.0, temperature=[60.0, 90.0]))
+    >>> (100.0 * losses["efficiency"]).values.ravel().round(1)
     array([97.8, 97.6])
     """
     model = checked_model(operation, model)

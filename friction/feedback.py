@@ -163,8 +163,8 @@ def friction_feedback(
     >>> case = easeoff.read_case("nasa-12x36")
     >>> coarse = {"mesh_positions": 4, "lengthwise_nodes": 21, "profile_nodes": 15}
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update=coarse)})
-    >>> found = easeoff.analyze(case, torques=200.0, speed=1500.0, friction_feedback=True)["friction"]
-    >>> bool(abs(found["energy_balance"]).max() < 1e-9)
+    >>> losses = easeoff.analyze(case, torques=200.0, speed=1500.0, friction_feedback=True)["friction"]
+    >>> bool(abs(losses["energy_balance"]).max() < 1e-9)
     True
     """
     model = checked_model(operation, model)

@@ -12,7 +12,7 @@ Printed with lost symbols, the three expressions were restored: see the document
 with L the lambda ratio, SR slide-to-roll, H = pressure over contact modulus, Sc = composite roughness and Seq = product
 over sum of both roughnesses, over the radius.
 
-Ranges of friction formulas: flags of what was clamped or extrapolated, and its part of the power loss.
+Flags tell what was clamped or extrapolated, of this formula and of others, and its part of the power loss.
 """
 
 from __future__ import annotations
@@ -263,7 +263,7 @@ def between_regimes(conditions: ContactConditions) -> Bools:
 
 
 def formula_flags(conditions: ContactConditions, coefficient: Array | None = None) -> Flags:
-    """Which inputs of ``formula_coefficient`` were clamped, and which lie outside the data of the regression (...).
+    """Flags (...) of the inputs that ``formula_coefficient`` clamped, and of those outside the regression's data.
 
     Parameters
     ----------

@@ -1,11 +1,9 @@
 """Loaded contacts of a stored result, in SI: forces, lengths, radii and surface velocities.
 
-Surface velocities of the flanks in contact: sliding and rolling, along and across the contact line.
-
-At its conjugate position a point of the flank moves with v = w a x (r - o) on either member (Kolivand 2009, Eq. 5.1).
-The members turn at their ratio, so both velocities have the same part along the common normal (Eq. 5.2): the points of
-action and the pinion's normals there are where that holds to rounding. On the gear's own flank it holds to the slope of
-the ease-off only.
+Velocities are sliding and rolling, along and across the contact line. At its conjugate position a point of the flank
+moves with v = w a x (r - o) on either member (Kolivand 2009, Eq. 5.1). The members turn at their ratio, so both
+velocities have the same part along the common normal (Eq. 5.2): the points of action and the pinion's normals there are
+where that holds to rounding. On the gear's own flank it holds to the slope of the ease-off only.
 
 The contact line is the level set of the roll angle. All velocities are per angular velocity of the pinion.
 """

@@ -102,8 +102,8 @@ class CaseCorrection:
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> found = correct_case(read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}, free=["machine_root_angle"])
-    >>> isinstance(found, CaseCorrection), list(found.corrections)
+    >>> corrected = correct_case(read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}, free=["machine_root_angle"])
+    >>> isinstance(corrected, CaseCorrection), list(corrected.corrections)
     (True, ['gear'])
     """
 
@@ -157,9 +157,9 @@ def correct_case(
     Examples
     --------
     >>> from easeoff.cases import read_case
-    >>> found = correct_case(read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}, free=["machine_root_angle"])
-    >>> correction, = found.corrections["gear"]
-    >>> found.case.gear.convex.machine.machine_root_angle == found.case.gear.concave.machine.machine_root_angle
+    >>> corrected = correct_case(read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}, free=["machine_root_angle"])
+    >>> correction, = corrected.corrections["gear"]
+    >>> corrected.case.gear.convex.machine.machine_root_angle == corrected.case.gear.concave.machine.machine_root_angle
     True
     """
     instance("case", case, Case)

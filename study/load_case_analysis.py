@@ -36,7 +36,7 @@ from .analysis.key_numbers import key_numbers
 from .analysis.operating import Friction, FrictionConditions, Operating
 from .case_in_mesh import CaseInMesh, FlanksInMesh, case_attributes, checked_case
 from .deviations import Deviated, Source
-from .progress import shows_progress, told
+from .progress import callback, shows_progress
 from .result import RESULT_SCHEMA_VERSION
 
 if TYPE_CHECKING:
@@ -230,8 +230,8 @@ def analyze_load_cases(
             # Without load a load case with deflections is in the assembly without torque, as in any analysis.
             state = meshes.at(run.flank, run.misalignment if has_own_misalignment(run.row) else given)
             torques = [run.row.torque]
-            analysis = contact_analysis(state, torques, **operating.contact, progress=told(progress), **options)
-            run.tree = with_friction(analysis, run.friction, chosen, told(progress)).tree
+            analysis = contact_analysis(state, torques, **operating.contact, progress=callback(progress), **options)
+            run.tree = with_friction(analysis, run.friction, chosen, callback(progress)).tree
         except EaseoffError as error:
             run.reason = " ".join(str(error).split())
             failures.append(error)

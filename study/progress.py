@@ -169,7 +169,7 @@ def shows_progress(name: str, unit: str) -> Callable[[Callable[P, R]], Callable[
     return decorated
 
 
-def told(progress: Call | bool | None) -> Call | None:
+def callback(progress: Call | bool | None) -> Call | None:
     """The function to call after every step of a function that ``shows_progress``; ``None`` if there is none."""
     return None if isinstance(progress, bool) else progress
 

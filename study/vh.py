@@ -2,12 +2,9 @@
 
 V is a displacement along the offset, added to E of the misalignment; H one of the pinion along its axis, added to P.
 
-Search for the displacements V and H at which a pattern is centred at a place of the flank.
-
-Newton's method with Broyden's update of the derivatives: an evaluation is a whole unloaded analysis, and the centre
-moves smoothly with V and H until the edges of the teeth cut the pattern. Steps are shortened until they lead nearer.
-
-Unloaded patterns of a pair at displacements V and H, and their numbers as a dataset.
+The search is Newton's method with Broyden's update of the derivatives: an evaluation is a whole unloaded analysis, and
+the centre moves smoothly with V and H until the edges of the teeth cut the pattern. Steps are shortened until they lead
+nearer.
 """
 
 from __future__ import annotations
@@ -36,7 +33,7 @@ from ..geometry.pair.modification import Modification
 from ..geometry.tooth.tooth_flanks import MemberName
 from .case_in_mesh import CaseInMesh, FlanksInMesh, case_attributes, checked_case
 from .deviations import Deviated, Source
-from .progress import shows_progress, told
+from .progress import callback, shows_progress
 from .result import PATTERN
 
 #: Centre of the pattern (2) [mm], along the face and the profile, at displacements V and H (2) [mm]; NaN for none.
@@ -233,7 +230,7 @@ def found_dataset(searches: Mapping[str, Found], places: Array, patterns: Shifte
 
 
 def _reason(search: Found, size: Array) -> str:
-    """Why a place is not reached, and how near the pattern came."""
+    """Reason why a place is not reached, and the nearest pattern."""
     said = REASONS[search.status]
     if not np.all(np.isfinite(search.centre)):
         return said
@@ -344,10 +341,10 @@ def vh_check(
 
     Examples
     --------
-    >>> found = vh_check("fh-design-a")
-    >>> found["status"].values.tolist(), found["place"].values.tolist()
+    >>> check = vh_check("fh-design-a")
+    >>> check["status"].values.tolist(), check["place"].values.tolist()
     ([0, 0, 0], ['toe', 'middle', 'heel'])
-    >>> bool(found["v"].sel(place="toe") > 0.0 > found["v"].sel(place="heel"))
+    >>> bool(check["v"].sel(place="toe") > 0.0 > check["v"].sel(place="heel"))
     True
     """
     case = checked_case(case)
@@ -358,8 +355,8 @@ def vh_check(
     given = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
     fine = CaseInMesh.meshed(_unloaded(case, NODES, case.contact.mesh_positions), given)
     coarse = CaseInMesh.meshed(_unloaded(case, ESTIMATE_NODES, ESTIMATE_POSITIONS), given)
-    exact = ShiftedPatterns(fine, thickness, progress=told(progress))
-    estimate = ShiftedPatterns(coarse, thickness, ESTIMATE_GRID, told(progress))
+    exact = ShiftedPatterns(fine, thickness, progress=callback(progress))
+    estimate = ShiftedPatterns(coarse, thickness, ESTIMATE_GRID, callback(progress))
     size = exact.size
     reach = RANGE_SHARE * size[0] if largest is None else number("largest", largest, "mm", above=0.0, most=RANGE_LIMIT)
     places = np.array([[share, height], [0.5, height], [1.0 - share, height]])
@@ -367,17 +364,17 @@ def vh_check(
     dataset = found_dataset(searches, places, exact)
     if counts is not None:
         dataset = dataset.merge(
-            grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID, told(progress)))
+            grid_dataset(dataset, counts, ShiftedPatterns(coarse, thickness, STORED_GRID, callback(progress)))
         )
     origin = case_attributes(case, "vh_check") | fine.attributes
     units = {"separation": thickness, "attribute_units": "separation: um"}
     return labelled(dataset).assign_attrs(origin | units | dataset.attrs)
 
 
-def write_vh_check(found: xr.Dataset, path: str | os.PathLike[str]) -> None:
+def write_vh_check(check: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write a V-H check to a netCDF-4 file, whole or not at all."""
-    packed = {str(name): {"zlib": True, "complevel": 1} for name, one in found.data_vars.items() if one.ndim > 1}
-    write_netcdf(found, path, packed)
+    packed = {str(name): {"zlib": True, "complevel": 1} for name, one in check.data_vars.items() if one.ndim > 1}
+    write_netcdf(check, path, packed)
 
 
 def _counts(grid: tuple[int, int]) -> tuple[int, int]:

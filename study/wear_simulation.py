@@ -1,9 +1,7 @@
 """Wear over many revolutions, the contact computed anew as the flanks change; lapping is wear with its own coefficient.
 
 Archard's law alone is not more than a law of proportion: the coefficient is the user's. It gathers lubrication,
-materials and, in lapping, the compound.
-
-Wear law: coefficients, step, stop and duty cycle.
+materials and, in lapping, the compound. With step, stop and duty cycle it makes the wear law.
 """
 
 from __future__ import annotations
@@ -37,7 +35,7 @@ from ..geometry.tooth.tooth_flanks import MemberName, named_member
 from .analysis.contact_analysis import in_assembly_under_load
 from .case_in_mesh import CaseInMesh, case_attributes, checked_case, deflection_attributes, prepared_pair
 from .deviations import LOST_CONTACT_LIMIT, Source, flank_deviations, require_line_contact
-from .progress import shows_progress, told
+from .progress import callback, shows_progress
 
 WEAR_COEFFICIENT_LIMIT = 1e-3  # [mm^2/N]; more is a mistake of units
 REVOLUTIONS_LIMIT = 1e15  # of the pinion; 2000 years at 1e6 1/min
@@ -239,7 +237,7 @@ def wear(
     designed = in_assembly_under_load(unloaded, list(shares))
     if stage is not None:
         stage("wear")
-    begin, report = time.perf_counter(), told(progress)
+    begin, report = time.perf_counter(), callback(progress)
     run = _Run(designed, law, shares, solver, start)
     positions = len(shares) * checked.contact.mesh_positions
     law.require_few_steps(run.fastest, positions, time.perf_counter() - begin)

@@ -1,8 +1,7 @@
 """Verification of a case: its pair put through the independent methods, one row a comparison.
 
-What a row outside its limit means, and what to do, in one line.
-
-Table of a verification as text, row by row: widths do not depend on the rows that come.
+The table is text, row by row, with widths that do not depend on the rows that come. Of a row outside its limit a line
+says what that means, and what to do.
 """
 
 from __future__ import annotations
@@ -237,8 +236,8 @@ def verify(
     ...     case.contact.model_copy(update=coarse),
     ...     case.compliance.model_copy(update={"model": "shell"}),
     ... )
-    >>> found = verify(case.model_copy(update={"contact": contact, "compliance": shells}), torques=250.0)
-    >>> found.passed, [row.quantity for row in found.outside][0]
+    >>> verification = verify(case.model_copy(update={"contact": contact, "compliance": shells}), torques=250.0)
+    >>> verification.passed, [row.quantity for row in verification.outside][0]
     (False, 'segments of a line: other numbers')
     """
     truth("without_split", without_split)

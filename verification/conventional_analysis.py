@@ -5,21 +5,16 @@ both members' curvatures the line through it, as the major axis of an ellipse. T
 flanks' symmetric third-order terms both direction and length of a true line differ from it in proportion to the
 separation at which the line ends.
 
-Curvature of a generated flank from two directions: an independent check of the fundamental forms.
+Curvature is taken from two directions, independently of the fundamental forms. Along each of the two parameter curves
+the normal turns by the normal curvature in the tangent plane's one direction and by the geodesic torsion in the other
+(Kolivand 2009, Eq. 2.9 to 2.13). Two normal curvatures and one torsion make the shape operator; the other torsion has
+to agree.
 
-Along each of the two parameter curves the normal turns by the normal curvature in the tangent plane's one direction and
-by the geodesic torsion in the other (Kolivand 2009, Eq. 2.9 to 2.13). Two normal curvatures and one torsion make the
-shape operator; the other torsion has to agree.
+At a given pinion rotation the two flanks touch where positions and normals agree: five equations for the two parameters
+of each flank and the gear rotation (Kolivand 2009, Eq. 2.14; Litvin).
 
-Conventional unloaded tooth contact analysis: an independent check of the ease-off method.
-
-At a given pinion rotation the two flanks touch where positions and normals agree: five equations for the two
-parameters of each flank and the gear rotation (Kolivand 2009, Eq. 2.14; Litvin).
-
-Relative curvature of the two members at a point of contact: direction and length of the contact line.
-
-The second-order picture of conventional tooth contact analysis (Kolivand 2009, Eq. 2.15 to 2.18): next to the point of
-contact the gap is half the relative curvature times the distance squared, the contact line runs where it is smallest.
+To second order (Kolivand 2009, Eq. 2.15 to 2.18), next to the point of contact the gap is half the relative curvature
+times the distance squared, and the contact line runs where it is smallest.
 """
 
 from __future__ import annotations
@@ -169,8 +164,8 @@ class RelativeCurvature:
     Examples
     --------
     >>> x, y = np.eye(3)[:2, :, None]
-    >>> found = RelativeCurvature(x, y, along_line=np.array([1e-4]), across_line=np.array([0.05]))
-    >>> found.equivalent_radius, found.half_length(5e-3)
+    >>> curvature = RelativeCurvature(x, y, along_line=np.array([1e-4]), across_line=np.array([0.05]))
+    >>> curvature.equivalent_radius, curvature.half_length(5e-3)
     (array([20.]), array([10.]))
     """
 
@@ -246,7 +241,7 @@ def relative_curvature(
     gear_surface
         The gear flank.
     contact
-        Points from ``point_contact.path_of_contact``; where they did not converge the result is NaN.
+        Points from ``path_of_contact``; where they did not converge the result is NaN.
 
     Examples
     --------
@@ -255,8 +250,8 @@ def relative_curvature(
     >>> from easeoff.verification.conventional_analysis import path_of_contact
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> path = path_of_contact(geometry.members.gear, geometry.exact, np.zeros(1))
-    >>> found = relative_curvature(geometry.exact.motion, geometry.members.gear.surface, path)
-    >>> bool(0.0 < found.along_line[0] < found.across_line[0])
+    >>> curvature = relative_curvature(geometry.exact.motion, geometry.members.gear.surface, path)
+    >>> bool(0.0 < curvature.along_line[0] < curvature.across_line[0])
     True
     """
     instance("motion", motion, ConjugateMotion)

@@ -34,8 +34,8 @@ class CorrectionLoop:
 
     Parameters
     ----------
-    found
-        The correction.
+    correction
+        Case with its corrected settings.
     before, after
         Deviations of each flank (rows, columns) [um], cut with the same errors of the machine.
 
@@ -48,7 +48,7 @@ class CorrectionLoop:
     (True, ['concave', 'convex'])
     """
 
-    found: CaseCorrection
+    correction: CaseCorrection
     before: dict[Side, Array]
     after: dict[Side, Array]
 

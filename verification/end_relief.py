@@ -78,8 +78,8 @@ def end_relief(material: Material, *, slant: float = 0.0, oblique: float = 0.0, 
     Examples
     --------
     >>> from easeoff.contact import STEEL
-    >>> found = end_relief(STEEL, borders=6)
-    >>> found.sinking.shape, bool(np.all(np.diff(found.sinking[1:6, 0]) < 0.0))
+    >>> relief = end_relief(STEEL, borders=6)
+    >>> relief.sinking.shape, bool(np.all(np.diff(relief.sinking[1:6, 0]) < 0.0))
     ((13, 13), True)
     """
     instance("material", material, Material)

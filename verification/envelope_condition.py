@@ -4,14 +4,12 @@ The blade touches the flank where its edge, its motion by the cutter's turning a
 plane. All three are differences of positions from ``cutter_position``; the product takes them from velocities in closed
 form.
 
-Motion of the cutter relative to the work as a product of elementary rotations, joint by joint.
+The motion is a product of elementary rotations, joint by joint. It shares nothing with the pose that generates the
+flanks: no velocities, no equation of meshing, no frame that turns with the cradle. From the blade to the member
+(Kolivand 2009, Eq. 2.5 to 2.7): rake, hook and offset of the blade, cutter angle, tilt and swivel, radial distance,
+cradle, work offset, sliding base and machine centre to crossing point, machine root angle, roll of the work.
 
-It shares nothing with the pose that generates the flanks: no velocities, no equation of meshing, no frame that turns
-with the cradle. From the blade to the member (Kolivand 2009, Eq. 2.5 to 2.7): rake, hook and offset of the blade,
-cutter angle, tilt and swivel, radial distance, cradle, work offset, sliding base and machine centre to crossing point,
-machine root angle, roll of the work.
-
-Distance of a flank from nominal points along their normals, as a coordinate measuring machine finds it.
+A flank's distance from nominal points is taken along their normals, as a coordinate measuring machine finds it.
 """
 
 from __future__ import annotations
@@ -109,8 +107,8 @@ class EnvelopeCondition:
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> found = envelope_condition(gear_pair(read_case("nasa-12x36")).pinion.middle())
-    >>> found.along_blade.shape
+    >>> condition = envelope_condition(gear_pair(read_case("nasa-12x36")).pinion.middle())
+    >>> condition.along_blade.shape
     (1,)
     """
 
@@ -130,8 +128,8 @@ def envelope_condition(flank: Flank) -> EnvelopeCondition:
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> found = envelope_condition(gear_pair(read_case("nasa-12x36")).pinion.middle())
-    >>> bool(found.position[0] < 1e-11), bool(found.normal[0] < 1e-11), bool(found.along_blade[0] < 1e-9)
+    >>> condition = envelope_condition(gear_pair(read_case("nasa-12x36")).pinion.middle())
+    >>> bool(condition.position[0] < 1e-11), bool(condition.normal[0] < 1e-11), bool(condition.along_blade[0] < 1e-9)
     (True, True, True)
     """
     instance("flank", flank, Flank)

@@ -1,21 +1,17 @@
 """Contact of a whole pair at one mesh position without the split, for all tooth pairs, edges included.
 
-Contact of two teeth without a split into bending and indentation, by pressures on cells of the flank.
-
-Find pressures p >= 0 and the rotation of the gear such that every gap
+The split is that into bending and indentation; here pressures act on cells of the flank. Find pressures p >= 0 and the
+rotation of the gear such that every gap
 
     Y = (indentation by p, closed form) + (what both bodies add, finite elements) + S - r theta >= 0,   p Y = 0
 
 and the moments of the pressures balance the torque. No line of contact, no relative radius, no foot of a normal and no
 depth to a middle surface enters. Each tooth has a body of its own.
 
-Greatest load per length over stretches of a contact line, alike for segments and for cells of a pressure field.
-
-At a point where a line runs into an edge a line load has no definite value: pieces of the edge are shorter than the
-pressed strip is wide, and cells across the line are cut by it. A mean over a stretch as long as the strip is wide has
-one: shorter than that, nothing acts as a line contact.
-
-Lines of a solved contact without the split: the greatest pressure and the line load of every loaded station.
+Loads per length are compared as greatest means over stretches of a contact line. At a point where a line runs into an
+edge a line load has no definite value: pieces of the edge are shorter than the pressed strip is wide, and cells across
+the line are cut by it. A mean over a stretch as long as the strip is wide has one: shorter than that, nothing acts as a
+line contact.
 """
 
 from __future__ import annotations
@@ -169,8 +165,8 @@ def contact_of_flanks(
     >>> responses = flank_response(pair, "pinion", STEEL, size), flank_response(pair, "gear", STEEL, size)
     >>> mesh = lines_in_mesh(flanks.splines, pair.assembly.pinion_pitch, 4)
     >>> guess = {"half_width": 0.4, "rotation": 2e-4, "cells_per_half_width": 2.0, "beyond_lines": False}
-    >>> found = contact_of_flanks(flanks, responses, (STEEL, STEEL), mesh, 0, 100.0, **guess)
-    >>> print(found.load_share.sum().round(9))
+    >>> contact = contact_of_flanks(flanks, responses, (STEEL, STEEL), mesh, 0, 100.0, **guess)
+    >>> print(contact.load_share.sum().round(9))
     1.0
     """
     instance("flanks", flanks, FlanksInMesh)

@@ -4,8 +4,6 @@ Between two points a distance r apart the compliance is that of a half space, (1
 body adds. The latter is smooth and is interpolated between nodes; the former is integrated in closed form over the
 cells of a pressure field by whoever has such cells.
 
-A force on a half space: displacements and tractions of a point force.
-
 The field of a normal point force on the surface of a half space (J. Boussinesq 1885; K. L. Johnson, Contact Mechanics,
 1985, section 3.2) in vectors: with the unit normal N into the body, d from the force to the point, rho = |d| and
 z = d . N,
@@ -13,8 +11,6 @@ z = d . N,
     u = P / (4 pi G) [ z d / rho^3 + (3 - 4 nu) N / rho - (1 - 2 nu) grad ln(rho + z) ].
 
 It also solves the equations of elasticity beyond the plane z = 0, up to the ray on which rho + z = 0.
-
-Compliance of a loaded surface with itself, the indentation included.
 
 The displacement under a point force has no limit, and bricks of some millimetres know nothing of it. It is known in
 closed form, though: near the force the body is a half space. The finite elements solve for the rest alone. With the
@@ -260,7 +256,7 @@ def flank_response(
     instance("material", material, Material)
     instance("size", size, LatticeSize)
     lattice = tooth_lattice(pair, member, size, rim_depth, thinner_edges(LatticeSpacing.of_size(size), EDGE_BRICKS))
-    key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.held, lattice.flank_normal, material)
+    key = key_of("flank_response", STORE_VERSION, lattice.nodes, lattice.fixed_nodes, lattice.flank_normal, material)
     shapes = {"lengthwise": (None,), "profile": (None, None), "beyond_half_space": (None, None)}
     arrays = kept(key, shapes, lambda: _response(lattice, material, member))
     return FlankResponse(arrays["lengthwise"], arrays["profile"], arrays["beyond_half_space"])
@@ -271,7 +267,7 @@ def _response(lattice: ToothLattice, material: Material, member: str) -> dict[st
     chosen = (slice(1, -1), slice(lowest, -1))  # nothing is known of a force on the edge itself
     loaded, normal = lattice.flank[chosen].ravel(), lattice.flank_normal[chosen].reshape(-1, 3)
     with filling(member):
-        whole = surface_compliance(lattice.nodes, lattice.cells, lattice.held, material, loaded, normal)
+        whole = surface_compliance(lattice.nodes, lattice.cells, lattice.fixed_nodes, material, loaded, normal)
     position = lattice.nodes[loaded]
     distance = np.linalg.norm(position[:, None] - position, axis=2)
     np.fill_diagonal(distance, np.inf)

@@ -1,8 +1,8 @@
-"""Rows of the loaded contact: gaps of the segments that carry, other solvers on the same contact problems.
+"""Rows of the loaded contact: other solvers, finer resolution, and contact without the split.
 
-Rows of convergence: the key numbers of a result at the case's resolution against a finer one.
+Compared are gaps of the segments that carry, other solvers on the same contact problems, key numbers at the case's
+resolution against a finer one, and contact without the split into bending and indentation at some mesh positions.
 
-Rows of the contact without the split into bending and indentation, at some mesh positions.
 
 """
 

@@ -7,10 +7,9 @@ pairs of points that belong to both flanks is the closing angle at which the too
 inside, and along every edge of either member on the flank of the other; a flank ends at toe, heel, tip, its root line
 and where the blade's edge radius begins to cut.
 
-The gap between two flanks at a position of the mesh, along the normal of the gear, without any approximation.
-
-Both members stand where their shafts have turned them; from points of the gear flank a ray runs along the outward
-normal to the pinion flank. Negative where the flanks overlap.
+The gap along the normal of the gear is found without any approximation, too. Both members stand where their shafts have
+turned them; from points of the gear flank a ray runs along the outward normal to the pinion flank. Negative where the
+flanks overlap.
 """
 
 from __future__ import annotations
@@ -66,8 +65,8 @@ class SmallestGap:
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> found = smallest_gap(geometry, np.array([0.0, 0.4]))
-    >>> found.edge.tolist()
+    >>> gap = smallest_gap(geometry, np.array([0.0, 0.4]))
+    >>> gap.edge.tolist()
     ['', 'pinion tip']
     """
 
@@ -93,8 +92,8 @@ def smallest_gap(geometry: PairGeometry, rotations: Array) -> SmallestGap:
     >>> from easeoff.cases import gear_pair, read_case
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> found = smallest_gap(geometry, np.array([0.0]))
-    >>> bool(found.closing_angle[0] > geometry.ease_off.attrs["first_contact_rad"])
+    >>> gap = smallest_gap(geometry, np.array([0.0]))
+    >>> bool(gap.closing_angle[0] > geometry.ease_off.attrs["first_contact_rad"])
     True
     """
     instance("geometry", geometry, PairGeometry)

@@ -3,7 +3,7 @@
 The line of the ease-off method only says where to lay the cells. Their points and normals are those of the generated
 gear flank, their gap is that to the generated pinion flank, both at their position of the mesh.
 
-Gap of potential contact segments against that of the turned flanks, on contact lines and on edges.
+Gaps of potential contact segments, on contact lines and on edges, are compared with that of the turned flanks.
 """
 
 from __future__ import annotations
@@ -181,7 +181,7 @@ def _stations(splines: FlankSplines, points: Array, step: float, extension: floa
 class SegmentGaps:
     """Gaps of the segments (n) of one solved case, as gear rotations [rad]."""
 
-    own: Array
+    separation_angle: Array  # of the case
     exact: Array  # of the turned flanks; NaN off the pinion
     share: Array  # in one more unit of torque; zero where it does not touch
 
@@ -189,7 +189,7 @@ class SegmentGaps:
     def rotation_error(self) -> float:
         """Error of the transmission error by those of the gaps, to first order by Betti's theorem [rad]."""
         touching = self.share != 0.0
-        return float(self.share[touching] @ (self.own - self.exact)[touching])
+        return float(self.share[touching] @ (self.separation_angle - self.exact)[touching])
 
 
 def segment_gaps(flanks: FlanksInMesh, cycle: MeshCycle, case: LoadedCase) -> SegmentGaps:

@@ -1,9 +1,7 @@
 """Reading the bevel part of REXS, the exchange format for gearbox data of the FVA: a bevel stage as a case.
 
-The components and relations are those of ``rexs_writing``. What REXS leaves open is
-decided in ``docs/engineer/reference/exchange.md``.
-
-The XML of REXS: components with attributes, and the relations between them; reading values with their units.
+The XML holds components with attributes, and relations between them, as ``rexs_writing`` has them; values are read with
+their units. What REXS leaves open is decided in ``docs/engineer/reference/exchange.md``.
 """
 
 from __future__ import annotations

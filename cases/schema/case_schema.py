@@ -1,12 +1,8 @@
 """The schema of a case file: every key, its unit and its range. Angles in degrees, lengths in mm, torque in N m.
 
-Names follow the REXS standard where it has one. A misspelt key is an error, never ignored.
-
-Cutter radii that were given in inches: absurdly small beside the member, and usual after conversion.
-
-Usual names of the keys of a case file, for tables and pictures: what a gear engineer calls them.
-
-Misalignment in a case file: assembly errors, and a table of deflections over the torque.
+Names follow the REXS standard where it has one; each has a usual one besides, for tables and pictures. A misspelt key
+is an error, never ignored. Misalignment is assembly errors, or a table of deflections over the torque. A cutter radius
+that is absurdly small beside the member, and usual after conversion, is refused as one in inches.
 """
 
 from __future__ import annotations

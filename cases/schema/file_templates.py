@@ -1,8 +1,7 @@
 """Templates of input files: case, design, supports, oil and load cases.
 
-What a key of an input file means, its unit and what it allows, for the pages of the docs and for templates.
-
-Text of a commented input file: values of an example, and every other key of the schema behind a comment sign.
+A template has the values of an example, and every other key of the schema behind a comment sign, with its meaning, unit
+and range, which the pages of the docs show, too.
 """
 
 from __future__ import annotations

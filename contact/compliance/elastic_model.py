@@ -1,10 +1,8 @@
 """Elastic model of a tooth pair, and its bending compliance under loads along the contact normals.
 
-Coupling of tooth pairs through the bodies of pinion and gear, as modes that all pairs of a mesh position share.
-
-Unit loads on the segments of a mesh cycle, and the bending compliance at a mesh position by modes of tooth pairs.
-
-Segments on different tooth pairs are coupled through the bodies of the members alone.
+From unit loads on the segments of a mesh cycle follows the bending compliance at a mesh position, by modes of tooth
+pairs. Segments on different tooth pairs are coupled through the bodies of pinion and gear alone, by modes that all
+pairs of the position share.
 """
 
 from __future__ import annotations
@@ -257,10 +255,10 @@ def body_coupling(elastic: tuple[ElasticTooth, ElasticTooth]) -> BodyCoupling | 
 class Loads:
     """Unit loads on segments (n).
 
-    Inner products of the rows of ``own``, summed over its parts, are bending compliances on one tooth pair [mm/N].
+    Inner products of the rows of ``on_teeth``, summed over its parts, are bending compliances on one tooth pair [mm/N].
     """
 
-    own: tuple[Array, ...]  # (n, k) each; one array would take longer to fill than to use
+    on_teeth: tuple[Array, ...]  # (n, k) each; one array would take longer to fill than to use
     on_bodies: Array
 
 
@@ -292,7 +290,7 @@ class UnitLoads:
         key = rows.tobytes()
         if key in self.known:
             return self.known[key]
-        compressed = compressed_block(self._rows(rows, lambda loads: loads.own))
+        compressed = compressed_block(self._rows(rows, lambda loads: loads.on_teeth))
         if np.all(rows < len(self.on_lines.on_bodies)):
             self.known[key] = compressed
         return compressed

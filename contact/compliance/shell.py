@@ -7,18 +7,15 @@ j of Y: symmetric and positive semidefinite by construction.
 Loads on the mid-surface do no work on the rotations. These come first in the factor, so that only its last block is
 needed: forward substitution keeps the zeros in front.
 
-The one-dimensional trial functions of the Rayleigh-Ritz shell, with their derivatives.
+Every trial function is a product of one over the height and one along the trace. Along the trace the functions are free
+at both ends; over the height a power of the relative height in front pins or clamps the root. Legendre polynomials span
+the same space as the monomials of the dissertation, so the exact answer is the same, while the condition number stays
+below 1e7 where that of the monomials passes 1e18 and Cholesky breaks down.
 
-Along the trace the functions are free at both ends; over the height a power of the relative height in front pins or
-clamps the root. Legendre polynomials span the same space as the monomials of the dissertation, so the exact answer is
-the same, while the condition number stays below 1e7 where that of the monomials passes 1e18 and Cholesky breaks down.
-
-The Ritz stiffness matrix of the shell: Gauss integration of the strain energy, by sum factorisation.
-
-Every trial function is a product of one over the height and one along the trace. At each lengthwise Gauss station the
-strain-displacement matrix of the height functions alone is built and its energy integrated over height and thickness;
-the lengthwise functions are multiplied in afterwards by one matrix product. That is the plain B^T D B accumulated at
-all Gauss points, at a hundredth of the work.
+The stiffness matrix is the Gauss integral of the strain energy, taken by sum factorisation. At each lengthwise Gauss
+station the strain-displacement matrix of the height functions alone is built and its energy integrated over height and
+thickness; the lengthwise functions are multiplied in afterwards by one matrix product. That is the plain B^T D B
+accumulated at all Gauss points, at a hundredth of the work.
 """
 
 from __future__ import annotations
@@ -323,7 +320,7 @@ class Shell:
 
     @property
     def _feels_mid_surface_loads(self) -> Bools:
-        """Which degrees of freedom a load on the mid-surface does work on, (n_dof)."""
+        """True for degrees of freedom (n_dof) on which a load on the mid-surface does work."""
         fields = {term.field for term in self.kinematics.displacement_terms if term.coefficient != "offset"}
         felt = np.isin(np.arange(len(self.functions.root_powers)), list(fields))
         return np.repeat(felt, self.size // felt.size)

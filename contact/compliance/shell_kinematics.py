@@ -15,10 +15,9 @@ The displacements are those of the standard first-order shear theory,
 with the mid-surface displacements u0, v0 and the section rotations b_x, b_y. It can carry forces along the tooth as
 well as across it. ``verification.shell_root_stress`` has the dissertation's own assumption.
 
-Elastic root: springs along the root line, for the dissertation's fitted base rotation and translation.
-
-The gear body yields under the moment and the shear force of the tooth. Per unit length of the root line, with root
-thickness t and a line load q at height l, the classical formulas (plane strain) give
+The root stands on springs along its line, for the dissertation's fitted base rotation and translation. The gear body
+yields under the moment and the shear force of the tooth. Per unit length of the root line, with root thickness t and a
+line load q at height l, the classical formulas (plane strain) give
 
     delta = q cos^2(alpha) (1 - nu^2) / E [ a (l/t)^2 + b (l/t) + c (1 + k tan^2(alpha)) ]
 

@@ -12,7 +12,7 @@ symmetric and positive semidefinite. The two numbers are those of finite element
 within 0.05 in units of q (1 - nu^2) / E for flanks at 18 to 26 degrees to the tooth's axis; with less taper the
 deflection falls off sooner.
 
-Line contact near the end of a tooth, and near the end of a load on a tooth that goes on.
+Plane line contact is also wrong near the end of a tooth, and near the end of a load on a tooth that goes on.
 
 **Ends of a load.** Plane line contact takes the load to go on. Where it ends, by Boussinesq's field of a half space,
 what is missing from a distance s on has in the approach of flank and foot of the normal, at the depth h,

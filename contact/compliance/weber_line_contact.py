@@ -26,8 +26,6 @@ the distance -e, the derivative above is integrated from b = -e on, with the hal
 
 in units of 2 q / (pi E* b^2).
 
-The pressed strip of a line contact: whole, or cut by the edge of a tooth.
-
 A whole strip has Hertz's half-width b. Where the bodies would come closest a distance e beyond an edge, the strip
 reaches from the edge to where the pressure falls to zero. With both bodies half planes, Chebyshev's expansion of the
 pressure, of which the root is singular at the edge and bounded at the other end, gives its half-width a:

@@ -33,7 +33,7 @@ class MemberLoads:
     loads: Array  # whitened, then in the modes of the body (n, k)
     by_point: Array  # derivatives by the fractions of each point (2, n, g, k)
     motion: Array
-    own: int  # number of whitened columns
+    whitened_count: int  # of columns
 
 
 @dataclass(frozen=True)
@@ -74,11 +74,11 @@ class BendingSlopes:
                 selection = chosen[rows]
                 amplitude = member.loads[selection].T @ force[rows]
                 changed = self._amplitude_change(member, selection, force[rows])
-                whitened = slice(0, member.own)
-                held_amplitude = np.concatenate([amplitude[whitened], np.zeros(amplitude.size - member.own)])
+                whitened = slice(0, member.whitened_count)
+                held_amplitude = np.concatenate([amplitude[whitened], np.zeros(amplitude.size - member.whitened_count)])
                 moved = self._moved(member, selection, held_amplitude)
                 result[rows] += moved + member.loads[selection, whitened] @ changed[whitened]
-                by_force.append((amplitude[member.own :], changed[member.own :]))
+                by_force.append((amplitude[member.whitened_count :], changed[member.whitened_count :]))
             on_bodies.append(by_force)
         if coupling is not None:
             compliance = coupling.compliance(pairs)
@@ -89,10 +89,10 @@ class BendingSlopes:
             for number, one in enumerate(pairs):
                 rows, start = np.flatnonzero(pair == one), 0
                 for member in self.members:
-                    columns = slice(start, start := start + member.loads.shape[1] - member.own)
-                    held_amplitude = np.concatenate([np.zeros(member.own), answer[number, columns]])
+                    columns = slice(start, start := start + member.loads.shape[1] - member.whitened_count)
+                    held_amplitude = np.concatenate([np.zeros(member.whitened_count), answer[number, columns]])
                     result[rows] += self._moved(member, chosen[rows], held_amplitude)
-                    result[rows] += member.loads[chosen[rows], member.own :] @ answer_change[number, columns]
+                    result[rows] += member.loads[chosen[rows], member.whitened_count :] @ answer_change[number, columns]
         loads, change = self.beside
         for one in pairs if loads.shape[1] else ():
             rows = np.flatnonzero(pair == one)

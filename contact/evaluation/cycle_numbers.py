@@ -1,18 +1,16 @@
 """Numbers of a mesh cycle: contact ratio, pattern, place of the greatest pressure, mesh stiffness, as variables.
 
-Contact ratio: rotation over which one tooth pair is in contact, over the angular pitch (ISO 1122-1, total ratio).
+The contact ratio is the rotation over which one tooth pair is in contact, over the angular pitch (ISO 1122-1, total
+ratio). The same number is the mean of how many pairs are in contact at the same time. The *geometric* ratio counts the
+whole rotation over which a pair has contact lines: conjugate flanks, or any pair under a load without limit, have it.
+Without load one pair carries at a time; counted are rotations at which the pair comes within a separation. Under load a
+pair is in contact where it carries.
 
-The same number is the mean of how many pairs are in contact at the same time. The *geometric* ratio counts the whole
-rotation over which a pair has contact lines: conjugate flanks, or any pair under a load without limit, have it. Without
-load one pair carries at a time; counted are rotations at which the pair comes within a separation. Under load a pair is
-in contact where it carries.
+The mesh stiffness is the torque about the gear axis per rotation of the gear, the pinion held.
 
-Mesh stiffness: torque about the gear axis per rotation of the gear, the pinion held.
-
-Smooth measures of the loaded pattern: centre and extent of the normal forces on the gear flank over a mesh cycle.
-
-The pattern itself ends at a pressure, and its borders jump from segment to segment. Means over the forces change
-smoothly with settings and torque, also where further segments begin to touch.
+The pattern ends at a pressure, and its borders jump from segment to segment. Therefore centre and extent of the normal
+forces on the gear flank are given, too: means over the forces change smoothly with settings and torque, also where
+further segments begin to touch.
 """
 
 from __future__ import annotations

@@ -1,19 +1,13 @@
 """Derivatives of a mesh cycle as a dataset: ease-off, roll angle, unloaded and loaded contact.
 
-Derivatives of the loaded contact over a mesh cycle: rotation, forces, pressures and load shares.
-
 The elastic teeth and the segments in contact are held: within a touching set everything is smooth, and across its
 changes forces and rotation are continuous. At every mesh position the system of the touching segments that Newton's
 method ended with is solved once more, with the changes of gap, lever arm and deflection by all settings on the right.
+From these follow pressures, load shares, centre and extent of the load, with the layout of the loaded dataset.
 
-Derivatives of centre and extent of the load on the flank over a mesh cycle.
-
-Derivatives of the variables of the loaded contact, with the layout of its dataset.
-
-Derivatives of the root stress: linear in the segments' forces, with responses that depend on their places.
-
-The largest stress keeps its place in the root and its direction. It changes with the forces on the nodes of the flank,
-which follow the segments' forces and the shares of these that fall to each node.
+The root stress is linear in the segments' forces, with responses that depend on their places. The largest stress keeps
+its place in the root and its direction. It changes with the forces on the nodes of the flank, which follow the
+segments' forces and the shares of these that fall to each node.
 """
 
 from __future__ import annotations
@@ -84,7 +78,7 @@ def case_slopes(
     result = []
     for case, softer in zip(cases, _deflection_slopes(cases), strict=True):
         segments, force = case.segments, case.solution.force
-        if segments.held is not None:
+        if segments.support is not None:
             raise InputError("cases: must be those of rigid supports to have derivatives")
         rows = slopes.rows(case)
         known = np.flatnonzero(rows >= 0)  # edges without load have no part in the derivatives
@@ -245,13 +239,13 @@ OF_ROOTS = ("root_stress_history", "max_root_stress")
 
 
 def root_stress_slopes(
-    directions: FieldDirections, teeth: Teeth, found: Sequence[CaseSlopes], stress: xr.Dataset
+    directions: FieldDirections, teeth: Teeth, cases: Sequence[CaseSlopes], stress: xr.Dataset
 ) -> dict[str, tuple[tuple[str, ...], Array]]:
     """Derivatives of ``root_stress_history`` and ``max_root_stress``, with their dimensions."""
-    pairs, count = stress["pair"].values, found[0].rotation.size
+    pairs, count = stress["pair"].values, cases[0].rotation.size
     history = stress["root_stress_history"].transpose("torque", "member", "mesh_position", "pair").values
     slopes = np.full((*history.shape, count), np.nan)
-    for one in found:
+    for one in cases:
         segments, force = one.case.segments, one.case.solution.force
         of_case = one.case.torque, slice(None), one.case.mesh_position
         column = np.searchsorted(pairs, segments.pair)

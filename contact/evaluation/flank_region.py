@@ -1,8 +1,7 @@
 """Region of a flank: centre, length and height of a contact pattern.
 
-Projection plane: the axial plane of a member, into which every point of its flank is turned about the axis.
-
-There the flank is a quadrangle and its grid is bilinear, so that its corners describe it completely.
+It is measured in the projection plane, the axial plane of a member, into which every point of its flank is turned about
+the axis. There the flank is a quadrangle and its grid is bilinear, so that its corners describe it completely.
 """
 
 from __future__ import annotations

@@ -79,7 +79,7 @@ class _Gaps:
         return cls(error, value, curvature, skew, gap, reach, arm * (error.steepest * reach))
 
     def crossing(self, thickness: float, among: Bools) -> Bools:
-        """Which of some points (n) may have a gap below a thickness [um], though not at their roll angle."""
+        """True for those of some points (n) that may have a gap below a thickness [um], not at their roll angle."""
         candidates = among & (self.at_roll_angle >= thickness)
         index = np.flatnonzero(candidates)
         if index.size:

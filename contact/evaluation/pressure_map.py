@@ -4,7 +4,7 @@ All tooth pairs are alike, and together their contact lines at the mesh position
 tooth's passage through the mesh, one beside the other. Every point of the flank is passed by one line, once; the
 surface through the pressures on the lines is therefore the envelope of the pressure over the cycle.
 
-Place of the greatest pressure, whether a contact line ends there, and the greatest pressure away from line ends.
+Its maximum has a place, where a contact line may end; the greatest pressure away from ends of lines is given, too.
 """
 
 from __future__ import annotations

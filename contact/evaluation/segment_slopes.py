@@ -4,14 +4,10 @@ Segments of contact lines move with their lines, to the ends at edges if these m
 place along the edge; what of it may touch changes with the settings. All that follows from fields and lines in closed
 form or by Newton's method, and is differentiated by central differences along their exact derivatives.
 
-Derivatives of the numbers of a transmission error over the mesh cycle.
-
-Splines of the contact's fields on the gear flank, moved along the derivatives by several settings.
-
-Motion of the contact lines with the settings: implicit derivatives of the level sets of the roll angle.
-
-A point of a line moves across it as the roll angle there changes. An end moves to where line and boundary of the common
-flank meet then. Between the ends points stay evenly spaced in length on the gear flank, which moves as well.
+Fields are splines on the gear flank, moved along their derivatives by several settings; contact lines are level sets of
+the roll angle. A point of a line moves across it as the roll angle there changes. An end moves to where line and
+boundary of the common flank meet then. Between the ends points stay evenly spaced in length on the gear flank, which
+moves as well. Numbers of a transmission error over the mesh cycle are differentiated, too.
 """
 
 from __future__ import annotations
@@ -276,9 +272,9 @@ class SegmentSlopes:
             lines = ContactLines(mesh.lines.level, points, mesh.lines.length + step * motion.length[:, setting])
             on_lines = replace(segments.on_lines, fields=fields, lines=replace(mesh, lines=lines))
             traced = replace(segments, fields=fields, on_lines=on_lines)
-            own = traced.to_edges if moving.cut else traced
-            if np.array_equal(rotations, line_rotations(own.on_lines.lines)):
-                return _loaded(traced, own, known, segments.edges)
+            stepped = traced.to_edges if moving.cut else traced
+            if np.array_equal(rotations, line_rotations(stepped.on_lines.lines)):
+                return _loaded(traced, stepped, known, segments.edges)
             return {name: np.nan * value for name, value in reference.items()}
 
         steps = STEP / np.maximum(_sizes(directions), np.max(np.abs(motion.points), axis=(0, 1, 2)))
@@ -306,15 +302,15 @@ class SegmentSlopes:
 
 
 def _loaded(
-    traced: CycleSegments, own: CycleSegments, pieces: EdgePieces, near: Sequence[FlankEdge] | None = None
+    traced: CycleSegments, segments: CycleSegments, pieces: EdgePieces, near: Sequence[FlankEdge] | None = None
 ) -> dict[str, Array]:
-    """Values (n) of segments ``own`` by name, and the points (2, n, g) where ``pinion`` and ``gear`` are loaded.
+    """Values (n) of segments ``segments`` by name, and the points (2, n, g) where ``pinion`` and ``gear`` are loaded.
 
     Pieces of edges, on the fields of ``traced``, come after them; ``near`` as of ``flank_edges``.
     """
-    weights = own.on_lines.quadrature[1]
-    points = (one.reshape(2, -1, weights.size) for one in own.loaded_places.points)
-    values = {name: own.table[name] for name in NAMES} | dict(zip(MEMBERS, points, strict=True))
+    weights = segments.on_lines.quadrature[1]
+    points = (one.reshape(2, -1, weights.size) for one in segments.loaded_places.points)
+    values = {name: segments.table[name] for name in NAMES} | dict(zip(MEMBERS, points, strict=True))
     if not pieces.keys.size:
         return values
     position, pair, edge, element = pieces.keys.T

@@ -3,7 +3,7 @@
 Pair 0 at mesh position k of a cycle of K positions does what pair -1 did K positions earlier. All pairs are alike, so
 that the rows of a table over (pair, mesh position) are pieces of one curve, and any number of cycles follows from it.
 
-Unloaded transmission error of one tooth pair, and of the pair that carries, at any pinion rotation.
+So does the unloaded transmission error, of one tooth pair and of the pair that carries, at any pinion rotation.
 """
 
 from __future__ import annotations

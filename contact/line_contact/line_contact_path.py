@@ -1,18 +1,15 @@
 """The solution with load-dependent line contact as a function of the torque, with every change of contact.
 
-Derivatives of a solution with load-dependent line contact: those of the problem with the tangent compliance.
+Derivatives of a solution are those of the problem with the tangent compliance. The conditions are B F + delta(F) + S -
+r theta = 0 on the touching segments. Their derivative has the tangent d delta / dF on the diagonal, where the linear
+problem that certifies the solution has the secant delta / F: this has the same solution, but not the same derivatives.
 
-The conditions are B F + delta(F) + S - r theta = 0 on the touching segments. Their derivative has the tangent
-d delta / dF on the diagonal, where the linear problem that certifies the solution has the secant delta / F: this has
-the same solution, but not the same derivatives.
-
-Continuation of the solution with load-dependent line contact over the torque, every point certified.
-
-The indentation h = r theta - S - B F of a segment by its local contact is positive where it touches, and minus the gap
-elsewhere. Between two changes of the touching set it is a smooth function of the torque, with the derivative of
-`line_contact_sensitivity`. A step is accepted if the same segments touch at both ends, and if no cubic through values
-and derivatives there crosses zero between them; else it is divided, at the first zero of the cubics, until the torque
-of each change lies between two certified points as close as the tolerance.
+The path is continued over the torque from one certified point to the next. The indentation h = r theta - S - B F of a
+segment by its local contact is positive where it touches, and minus the gap elsewhere. Between two changes of the
+touching set it is a smooth function of the torque, with the derivative of `line_contact_sensitivity`. A step is
+accepted if the same segments touch at both ends, and if no cubic through values and derivatives there crosses zero
+between them; else it is divided, at the first zero of the cubics, until the torque of each change lies between two
+certified points as close as the tolerance.
 """
 
 from __future__ import annotations
@@ -407,8 +404,8 @@ def line_contact_path(
     >>> from easeoff.geometry import pair_geometry
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=7)
-    >>> here = cycle.segments.by_position[0]
-    >>> path = line_contact_path(here.bending_problem, here.line_contact, 0.0, 3e5 * cycle.ratio)
+    >>> segments = cycle.segments.by_position[0]
+    >>> path = line_contact_path(segments.bending_problem, segments.line_contact, 0.0, 3e5 * cycle.ratio)
     >>> path.certified, bool(path.enters[0]), path.torque[0].item()
     (True, True, 0.0)
     """

@@ -4,21 +4,18 @@ With the local deflection delta_i(F_i), convex energy Phi_i' = delta_i, the prob
 
     minimise 1/2 F'B F + S'F + sum Phi_i(F_i)   subject to   r'F = T,  F >= 0,
 
-still convex, with B the bending compliance of the teeth. It is solved by Newton's method with exact subproblems:
-around the forces F, the quadratic programme with compliance B + diag(tangent) and separation S + delta(F) - tangent
-F. Convergence is quadratic.
+still convex, with B the bending compliance of the teeth. It is solved by Newton's method with exact subproblems: around
+the forces F, the quadratic programme with compliance B + diag(tangent) and separation S + delta(F) - tangent F.
+Convergence is quadratic. A line search makes the steps safe.
 
 The result is handed back as the linear contact problem with compliance B + diag(secant) at the solution. Since secant
 times force is the deflection, its residuals are those of the nonlinear problem, to the bit: the ordinary certificate
 proves the nonlinear answer.
 
-Newton's method for the load-dependent contact problem: the steps, and the line search that makes them safe.
-
-Contact with load-dependent line contact at many mesh positions and torques, by Newton's method in the bending modes.
-
-That method asks for a force at an indentation, the line contact gives the indentation for a force: it is inverted
-segment by segment, see ``line_deflection``. As its compliance falls with the load, the deflection is a concave function
-of the force: Newton's method on it comes from below after the first step, and never overshoots.
+At many mesh positions and torques Newton's method runs in the bending modes. There it asks for a force at an
+indentation, the line contact gives the indentation for a force: it is inverted segment by segment, see
+``line_deflection``. As its compliance falls with the load, the deflection is a concave function of the force: Newton's
+method on it comes from below after the first step, and never overshoots.
 """
 
 from __future__ import annotations
@@ -299,8 +296,8 @@ def solve_at_torques(
         known = [_compiled_answers(series, contact) for series, contact in zip(by_problem, contacts, strict=True)]
     starts: list[Array | None] = [None] * len(bendings)
     for number, problems in enumerate(at_torques):
-        found = [answers[number] for answers in known]
-        solved = list(_completed(problems, contacts, starts, found, solver, **options))
+        at_torque = [answers[number] for answers in known]
+        solved = list(_completed(problems, contacts, starts, at_torque, solver, **options))
         starts = [solution.force if solution.certified else None for solution, _ in solved]
         yield solved
 

@@ -1,9 +1,7 @@
 """Gap across a contact curve, and the closest approach of the flanks next to it.
 
-Points of the pinion opposite points of the gear, in conjugate contact and some rotation from it.
-
 Opposite a point of the gear that is in conjugate contact at the pinion rotation Q stands, at the rotation q, the pinion
-point p + p' (q - Q) + p'' (q - Q)^2 / 2, with the derivatives that ``rolling.drift`` finds.
+point p + p' (q - Q) + p'' (q - Q)^2 / 2, with the derivatives that ``ease_off.drift`` finds.
 """
 
 from __future__ import annotations

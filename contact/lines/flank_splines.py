@@ -1,12 +1,9 @@
 """Tensor splines of several fields on the gear flank, through the nodes of a grid.
 
-Tensor splines through the nodes of a grid, evaluated with all derivatives asked for at once.
-
-The interpolating spline of B-splines with the knots "not a knot" (de Boor, A Practical Guide to Splines, ch. XIII), as
-that of ``scipy.interpolate``. Points share the search of their cell and the B-splines there among all components and
-derivatives, which takes a fraction of the time of one evaluation a derivative.
-
-Cubic through given values that overshoots none of them (Fritsch and Butland 1984, doi:10.1137/0905021).
+They interpolate, with B-splines and the knots "not a knot" (de Boor, A Practical Guide to Splines, ch. XIII), as those
+of ``scipy.interpolate``. Points share the search of their cell and the B-splines there among all components and all
+derivatives asked for, which takes a fraction of the time of one evaluation a derivative. Where a curve must overshoot
+none of its values it is the cubic of Fritsch and Butland (1984, doi:10.1137/0905021).
 """
 
 from __future__ import annotations

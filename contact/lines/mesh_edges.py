@@ -4,8 +4,6 @@ Across a contact line the gap grows both ways. Beyond the end of a line, and on 
 longer, the way to the closest approach leaves a flank: the flanks come closest at the edge where it does. An edge of
 the gear is fixed on the gear flank; an edge of the pinion moves over it as the pinion turns, see ``closest_approach``.
 
-Contact lines that end at the edges, where the closest approach beside them does.
-
 A contact line is the curve of conjugate contact, clipped to both flanks. The flanks come closest a little beside it, on
 steep ease-offs by some tenths of a millimetre. Where a line runs into an edge at a small angle, its last part can have
 its closest approach beyond the edge. There is no flank there: the edge itself touches. At the other end the closest
@@ -188,7 +186,7 @@ class FlankEdge:
     outward: float
     nodes: Array
     points: Array  # fractions on the gear (2, k); NaN where there are none
-    here: AcrossLine
+    expansion: AcrossLine
     opposite: OppositePoints
     moving: Array  # velocity by the pinion rotation (2, k) [1/rad]; zero for the gear
     nearing: Array  # rotation lost on the point's conjugate contact per rotation (k); one if fixed
@@ -198,9 +196,9 @@ class FlankEdge:
 
 def _near_elements(edge: FlankEdge, rotations: Array, widest: Array) -> tuple[Integers, Integers]:
     """Indices of the rotations and numbers of the elements of an edge (n) whose gap may be below the widest one."""
-    left = (rotations[:, None] - edge.here.roll_angle) * edge.nearing
+    left = (rotations[:, None] - edge.expansion.roll_angle) * edge.nearing
     with np.errstate(invalid="ignore"):
-        gap = np.where(edge.here.still_opens(left), edge.here.gap(left), np.inf)
+        gap = np.where(edge.expansion.still_opens(left), edge.expansion.gap(left), np.inf)
     nearest = np.minimum(gap[:, 1:], gap[:, :-1])
     row, element = np.nonzero(nearest < GAP_ESTIMATE_MARGIN * widest[:, None])
     return row, element
@@ -235,7 +233,7 @@ def _touching_parts(edges: Sequence[FlankEdge], rotations: Array, edge: Integers
 
 def _margins(edge: FlankEdge, rotations: Array, at: Integers) -> tuple[Array, Array]:
     """Margins (6, n), positive at nodes of an edge that may touch, and the nodes' points on the gear (2, n)."""
-    expansion = _at(edge.here, at)
+    expansion = _at(edge.expansion, at)
     away = rotations - expansion.roll_angle
     falls = -expansion.gap_slope(away * edge.nearing[at]) * edge.leaving[at] * edge.outward
     moved = edge.points[:, at] + edge.moving[:, at] * away

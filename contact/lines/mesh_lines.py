@@ -1,8 +1,7 @@
 """Contact lines of every tooth pair over a mesh cycle, and quadrature points on their segments.
 
-Where toe and heel of either member lie, seen from points of contact lines: distance and obliqueness.
-
-Where pinion and gear are loaded, with what line contact and bending both ask of these places.
+At its points a line knows distance and obliqueness of toe and heel of either member, and where pinion and gear are
+loaded, with what line contact and bending both ask of these places.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
 # cython: annotation_typing=False, infer_types=True
-"""Tensor splines at given points: the sums of the B-splines of ``tensor_spline``, one point after another. Compiled."""
+"""Tensor splines at given points: the sums of the B-splines of ``flank_splines``, one point after another. Compiled."""
 
 from __future__ import annotations
 

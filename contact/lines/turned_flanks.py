@@ -8,15 +8,9 @@ An ease-off that was put in by hand or updated for deviations has no surface of 
 is added to the gap, and what it changes of the roll angle is taken off the rotation: beside its own contact lines the
 gap opens as that of the generated flanks does. That is right to the first order of the change.
 
-How far the cut of one flank part lies from where it ends: at its blade section's ends, or where another cuts deeper.
-
 A blade with a toprem or flankrem cuts every part of the flank with a section of its own. Where sections join at a
-protruding kink both cut the same points, and the deeper cut remains (``geometry/flanks/flank.py``).
-
-Where circles about the gear axis meet the turned pinion flank, with derivatives by the circle.
-
-The azimuth of a meeting follows from one step of Newton's method on the generated surface; its derivatives by the axial
-and the radial coordinate of the circle follow from the pinion's normal.
+protruding kink both cut the same points, and the deeper cut remains (``geometry/flanks/flank.py``). A part ends where
+its blade section does, or where another cuts deeper.
 """
 
 from __future__ import annotations
@@ -194,7 +188,7 @@ BOUNDS = (
     *(f"{member}_{edge}" for member in ("gear", "pinion") for edge in ("toe", "heel", "root", "tip")),
     *(f"{member}_{end}" for end in ("blade", "joint", "crease") for member in ("gear", "pinion")),
 )
-_OWN_FIELDS = ["closing", "later", "blade"]
+_GEAR_FIELDS = ["closing", "later", "blade"]
 
 
 @dataclass(frozen=True)
@@ -243,7 +237,7 @@ class TurnedFlanks:
         return tuple(flanks)
 
     @cached_property
-    def own(self) -> tuple[FlankSplines, ...]:
+    def gear_splines(self) -> tuple[FlankSplines, ...]:
         """Splines of every gear part's azimuth less what is put in, of a later roll angle, and of its blade."""
         geometry, exact = self.geometry, self.geometry.exact
         known, members = geometry.members.gear, geometry.members
@@ -258,7 +252,7 @@ class TurnedFlanks:
             azimuth = np.mod(np.arctan2(y, x) - middle + np.pi, 2.0 * np.pi) - np.pi + middle
             closing, blade = put_in - exact.motion.pinion_sense * azimuth, part.blade_distance / depth
             values = closing, later, blade
-            grid = {name: np.reshape(v, geometry.nodes) for name, v in zip(_OWN_FIELDS, values, strict=True)}
+            grid = {name: np.reshape(v, geometry.nodes) for name, v in zip(_GEAR_FIELDS, values, strict=True)}
             splines.append(fit(members.lengthwise, members.profile, grid))
         return tuple(splines)
 
@@ -274,10 +268,10 @@ class TurnedFlanks:
             joined = (np.concatenate([getattr(f, one.name) for f in blocks], axis=-1) for one in fields(TurnedGap))
             return TurnedGap(*joined)
         of_gear, of_pinion = np.divmod(part, len(self.parts[0]))
-        each = [spline.derivatives(_OWN_FIELDS, points, [*VALUE_AND_SLOPES, *BENDS]) for spline in self.own]
+        each = [spline.derivatives(_GEAR_FIELDS, points, [*VALUE_AND_SLOPES, *BENDS]) for spline in self.gear_splines]
         taken = each[0] if len(each) == 1 else [_picked(values, of_gear) for values in zip(*each, strict=True)]
         value, by_t, by_h, by_tt, by_th, by_hh = taken
-        slopes = {name: np.array([by_t[name], by_h[name]]) for name in _OWN_FIELDS}
+        slopes = {name: np.array([by_t[name], by_h[name]]) for name in _GEAR_FIELDS}
         place, along, twist = self._circles(points)
         near = zip(self.parts[0], np.split(parameters, len(self.parts[0])), strict=True)
         every = [circles_met(self.geometry.exact, *one, rotations - value["later"], place) for one in near]
@@ -310,14 +304,14 @@ class TurnedFlanks:
     def opposite(self, points: Array, rotations: Array, parameters: Array, part: NDArray[np.int8]) -> Array:
         """Parameters (2 p, n) of the points opposite, by one step of Newton's method; arguments as of ``at``."""
         place, of_gear = self._circles(points)[0], part // len(self.parts[0])
-        later = pick([spline("later", points) for spline in self.own], of_gear)
+        later = pick([spline("later", points) for spline in self.gear_splines], of_gear)
         motion = self.geometry.exact.motion
         near = zip(self.parts[0], np.split(parameters, len(self.parts[0])), strict=True)
         return np.concatenate([nearer_parameters(motion, *one, rotations - later, place) for one in near])
 
     def in_hole(self, points: Array, part: NDArray[np.int8]) -> Bools:
         """True where points (2, n) lie in a cell of the gear's grid with a node without a value."""
-        return pick([spline.in_hole(points) for spline in self.own], part // len(self.parts[0]))
+        return pick([spline.in_hole(points) for spline in self.gear_splines], part // len(self.parts[0]))
 
     def _circles(self, points: Array) -> tuple[Array, Array, Array]:
         """Axial and radial coordinate (2, n) [mm], their derivatives (2, 2, n), and the second, mixed one (2, 1)."""
@@ -335,13 +329,13 @@ def _of_parts(every: list[CirclesMet], part: NDArray[np.int8]) -> CirclesMet:
 
 
 def _picked(values: tuple[dict[str, Array], ...], part: NDArray[np.int8]) -> dict[str, Array]:
-    return {name: pick([value[name] for value in values], part) for name in _OWN_FIELDS}
+    return {name: pick([value[name] for value in values], part) for name in _GEAR_FIELDS}
 
 
 def _gear_cuts(parts: tuple[Flank, ...], each: list[list[dict[str, Array]]], depth: float) -> FlankCuts:
     """Cuts of the parts of the gear, from the values and derivatives of their splines."""
-    value, by_t, by_h = ({name: np.stack([one[k][name] for one in each]) for name in _OWN_FIELDS} for k in range(3))
-    slope = {name: np.stack([by_t[name], by_h[name]], axis=1) for name in _OWN_FIELDS}
+    value, by_t, by_h = ({name: np.stack([one[k][name] for one in each]) for name in _GEAR_FIELDS} for k in range(3))
+    slope = {name: np.stack([by_t[name], by_h[name]], axis=1) for name in _GEAR_FIELDS}
     ends = _ends([part.surface for part in parts], depth)
     known = np.ones(value["blade"].shape, dtype=bool)
     return FlankCuts(value["closing"], slope["closing"], value["blade"], slope["blade"], *ends, known)

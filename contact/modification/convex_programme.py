@@ -7,9 +7,8 @@ functions of the coefficients. The programme has a handful of unknowns, however 
 Conry and Seireg, A mathematical programming technique for the evaluation of load distribution and optimal modifications
 for gear systems, ASME Journal of Engineering for Industry 95(4) (1973) 1115-1122.
 
-Response of loads and rotation to a change of the separation, while the same segments touch.
-
-On the segments A in contact the gap is zero, elsewhere the force is. With the separation S + B m the conditions
+Loads and rotations are affine while the same segments touch. On the segments A in contact the gap is zero, elsewhere
+the force is. With the separation S + B m the conditions
 
     C_AA F_A + S_A + B_A m - r_A theta = 0,    r_A'F_A = T
 
@@ -83,15 +82,15 @@ def load_response(
     curvature: Array,
     at_end: Bools,
     cycle: int,
-    held: bool = False,
+    pull: bool = False,
 ) -> LoadResponse:
     """One solved contact problem as affine functions of the coefficients, from its tangent compliance [mm/N].
 
     That is positive definite on the segments in contact, at least one.
-    Solution (n) [N], (n) [mm], [rad]; derivatives of the separation (n, p) [mm per unit]. With ``held`` all segments
+    Solution (n) [N], (n) [mm], [rad]; derivatives of the separation (n, p) [mm per unit]. With ``pull`` all segments
     are in contact, by pulling if need be.
     """
-    active = np.full(force.size, held) | (force > 0.0)
+    active = np.full(force.size, pull) | (force > 0.0)
     system = touching_system(compliance, lever_arm, active)
     change = system.solve(-separation, np.zeros(separation.shape[1]))
     # To a force of its own while the loaded segments keep contact [mm/N].

@@ -108,7 +108,7 @@ def search(
 def optimal_modification(
     solved: Callable[[Array], LoadResponse | None],
     start: LoadResponse,
-    held: LoadResponse,
+    full_contact: LoadResponse,
     goal: Goal,
     *,
     programmes: int = 40,
@@ -117,14 +117,14 @@ def optimal_modification(
     """Search from full contact and from no modification, and keep the better end; its merit never rises.
 
     While neither keeps the limit of the transmission error, both search again under a tighter one, and a third begins
-    at their better end. ``held`` has all segments in contact by force, at coefficients of zero.
+    at their better end. ``full_contact`` has all segments in contact by force, at coefficients of zero.
     """
     improved = partial(search, solved, programmes=programmes, progress=progress)
 
     def ends(aim: Goal) -> list[ModificationSearch]:
         """From the programme of full contact, if that has an answer, and from no modification."""
         whole = 2.0 * aim.largest
-        answer = solve_programme(held, aim, np.zeros(aim.surface.shape[1]), whole)
+        answer = solve_programme(full_contact, aim, np.zeros(aim.surface.shape[1]), whole)
         loads = solved(answer.step) if answer.solved else None
         fresh = NO_VALUE if loads is None else judged(loads, aim)
         first = Step(answer.status, whole, answer.value, fresh, loads is not None, False, "full_contact")

@@ -64,7 +64,7 @@ class ModifiedContact:
             parts.append(load_response(compliance, *outcome, **self._segments(segments), cycle=number))
         return stacked(parts)
 
-    def held(self, coefficients: Array, cycles: Sequence[int] | None = None) -> LoadResponse:
+    def full_contact(self, coefficients: Array, cycles: Sequence[int] | None = None) -> LoadResponse:
         """As ``loads``, all segments held in contact, with the local compliance of even load."""
         modified, slopes = self._modified(coefficients)
         parts = []
@@ -77,7 +77,7 @@ class ModifiedContact:
                 force, rotation = held_in_contact(compliance, segments.separation, segments.lever_arm, torque)
                 outcome = force, np.zeros(force.size), rotation, slope
                 number = index if cycles is None else cycles[index]
-                parts.append(load_response(compliance, *outcome, **self._segments(segments), cycle=number, held=True))
+                parts.append(load_response(compliance, *outcome, **self._segments(segments), cycle=number, pull=True))
         return stacked(parts)
 
     def _modified(self, coefficients: Array) -> tuple[MeshCycle, list[Array]]:

@@ -8,7 +8,7 @@ It counts its own rounding. A bound of the rounding stands beside the violations
 them; where the bound in double precision does not, the residuals are summed without error. Rotations count from first
 contact, which is known to twice the digits of a double, so that a large separation costs no digit.
 
-Residuals of the contact problem as given, each with a bound of its own rounding, in three degrees of care.
+Each residual has a bound of its own rounding, found with one of three degrees of care.
 
 1. In double precision, the rounding bounded by Cauchy and Schwarz, |C_ij| <= sqrt(C_ii C_jj), for no more than a few
    sums.
@@ -16,8 +16,6 @@ Residuals of the contact problem as given, each with a bound of its own rounding
 3. Sums free of error, rounded once, for some hundred products with C.
 
 The bounds hold for sums taken in any order (Higham 2002, Accuracy and Stability of Numerical Algorithms, chapter 3).
-
-An answer to a contact problem in the units of the problem, with its certificate.
 """
 
 from __future__ import annotations
@@ -255,7 +253,7 @@ class Certificate:
         entries = [math.inf if math.isnan(value) else value for value in self.violations]
         return CERTIFICATE_FIELDS[entries.index(max(entries))]
 
-    def told(self, tolerance: float = EXACT_TOLERANCE) -> str:
+    def verdict(self, tolerance: float = EXACT_TOLERANCE) -> str:
         """Return in words whether it passes a tolerance, the worst violation, its rounding, and the digits left.
 
         Parameters
@@ -265,7 +263,7 @@ class Certificate:
 
         Examples
         --------
-        >>> Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).told(1e-8)
+        >>> Certificate(0.0, 0.0, 1e-7, 0.0, 0.0).verdict(1e-8)
         'misses 1e-08: worst violation 1e-07, of negative_gap (rounding bound 0); 15 digits left by cancellation'
         """
         if not self.worst < math.inf:
@@ -276,8 +274,8 @@ class Certificate:
         return f"{verdict}: {worst} (rounding bound {self.resolution:.1g}); {left}"
 
     def __str__(self) -> str:
-        """As `told` says it of the tolerance of exact answers."""
-        return self.told()
+        """As `verdict` says it of the tolerance of exact answers."""
+        return self.verdict()
 
 
 #: What it says of itself.

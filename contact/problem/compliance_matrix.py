@@ -2,12 +2,10 @@
 
 Solvers choose their method by the class of a compliance and of its modes, never by values computed earlier.
 
-What a user may give for a compliance, as arrays: sparse matrices, operators, a factor of one column.
-
-A compliance C known by its products alone: a `scipy.sparse.linalg.LinearOperator`, such as a convolution by FFT.
-
-From products one can prove that C is not positive semidefinite, never that it is: an answer found with such a
-compliance is proved on that assumption, and says so.
+Users may give sparse matrices and a factor of one column, which become arrays, or a
+`scipy.sparse.linalg.LinearOperator`, such as a convolution by FFT: then C is known by its products alone. From products
+one can prove that C is not positive semidefinite, never that it is: an answer found with such a compliance is proved on
+that assumption, and says so.
 """
 
 from __future__ import annotations

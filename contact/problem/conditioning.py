@@ -17,11 +17,9 @@ singular, D'C D is still bounded by g and the forces, which bounds the rotation 
 With C D, the product of the first equation with F^ and with F* bounds T (theta - theta*), and its rows show which
 segments are certainly open.
 
-Proof that a contact problem has no solution: forces that meet no compliance and close a penetration for ever.
-
-The torque can always be carried, for some lever arm is positive. So a problem has no solution only if its energy has
-no lower bound: if forces D >= 0 without moment, r'D = 0, meet no compliance, D'C D = 0, and gain energy, S'D < 0.
-Such forces are found by a linear programme and proved in rational numbers.
+A problem may have no solution. The torque can always be carried, for some lever arm is positive. So a problem has no
+solution only if its energy has no lower bound: if forces D >= 0 without moment, r'D = 0, meet no compliance, D'C D = 0,
+and gain energy, S'D < 0. Such forces are found by a linear programme and proved in rational numbers.
 """
 
 from __future__ import annotations

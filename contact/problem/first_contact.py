@@ -8,10 +8,9 @@ are differences of large numbers where the rotation is counted from far away. Bo
 so that each separation is rounded once, and lacks at most 10^-32 of the products. The rotation S_f / r_f stands for
 itself: what one double cannot hold of it is a second one, the remainder.
 
-Error-free sums and products: the rounding error of a double-precision operation, itself a double.
-
-Knuth's sum and Veltkamp's and Dekker's product (Dekker 1971, doi:10.1007/BF01397083). They hold for round to nearest
-where nothing overflows and no product is below 10^-290.
+Without error means with the rounding error of each sum or product as a second double: Knuth's sum and Veltkamp's and
+Dekker's product (Dekker 1971, doi:10.1007/BF01397083). They hold for round to nearest where nothing overflows and no
+product is below 10^-290.
 """
 
 from __future__ import annotations

@@ -7,17 +7,13 @@ eighty modes make up V V^T to all digits. The blocks U with U U^T = V V^T are wh
 Shafts, bearings, housing and the body between the teeth couple the tooth pairs by a few modes W beside those blocks,
 C = diag(d) + U U^T + W W^T. Within a block, W has no more directions than a rigid motion, six.
 
-Bending modes as the compiled contact solution reads them: block by block, and again for a part of the segments.
+The compiled contact solution reads the modes block by block, and again for a part of the segments. On level 0 stand all
+segments, on level 1 every fourth of each block, on level 2 every fourth of these. Places are numbers of segments in the
+order of the blocks; a mode of a block is contiguous in ``columns``, and so is a shared column on its segments, behind
+the modes.
 
-On level 0 stand all segments, on level 1 every fourth of each block, on level 2 every fourth of these. Places are
-numbers of segments in the order of the blocks; a mode of a block is contiguous in ``columns``, and so is a shared
-column on its segments, behind the modes.
-
-Columns of a factor that couple groups of segments which else fall apart, such as modes of shafts and housing.
-
-They are found by counting: an entry is zero or it is not.
-
-Modes that all tooth pairs share, such as those of shafts, bearings and housing, beside those of the pairs.
+In a factor as given, columns that couple groups of segments which else fall apart are found by counting: an entry is
+zero or it is not.
 """
 
 from __future__ import annotations
@@ -332,7 +328,7 @@ class BendingFactor:
 
     @cached_property
     def labels(self) -> BlockLabels:
-        """Which rows and columns share no entry with others."""
+        """Groups of rows and columns."""
         return block_labels(self.factor)
 
     @property
@@ -342,7 +338,7 @@ class BendingFactor:
 
     @cached_property
     def is_shared(self) -> Bools:
-        """Which columns couple blocks (k)."""
+        """True for the columns (k) that couple blocks."""
         if self.labels.has_full_rows:
             return np.zeros(self.factor.shape[1], dtype=np.bool_)
         return shared_columns(self.factor, self.labels.blocks)

@@ -1,8 +1,7 @@
 """Equivalent forms of the contact problem: lifted, dual, and as a linear complementarity problem.
 
-The contact problem with the modal amplitudes as unknowns of their own: sparse, with a diagonal Hessian.
-
-For C = diag(d) + V V^T and z = V^T F,
+Lifted, it is sparse with a diagonal Hessian: the modal amplitudes are unknowns of their own. With z = V^T F, for C =
+diag(d) + V V^T,
 
     minimise 1/2 F'diag(d) F + 1/2 z'z + S'F   subject to   r'F = T,  V'F - z = 0,  F >= 0.
 
@@ -14,9 +13,8 @@ y = z, and stationarity in F then reads C F + S - theta r = Y.
 V often has far fewer directions than columns: along a line of contact, a sum of smooth modes is a polynomial of low
 degree. The compressed form has those that matter, see `modal_basis`.
 
-The contact problem in displacements instead of forces: Dorn's dual of the quadratic programme.
-
-For a dense positive definite C the unknowns are (u, theta):
+The dual form has displacements instead of forces, by Dorn's dual of the quadratic programme. For a dense positive
+definite C the unknowns are (u, theta):
 
     minimise 1/2 u'C u - T theta   subject to   C u - theta r + S >= 0.
 
@@ -34,7 +32,7 @@ interior-point and splitting methods can, and active-set methods that regularise
 
 W. S. Dorn, Duality in quadratic programming, Quarterly of Applied Mathematics 18 (1960) 155-162.
 
-The contact problem as a square linear complementarity problem, with theta eliminated.
+The third form is a square linear complementarity problem, with theta eliminated.
 
     w = M z + q >= 0,   z >= 0,   w'z = 0
 

@@ -1,9 +1,7 @@
 """The contact problem in scaled numbers, every one of order one: what solvers get.
 
-Load-based scaling of the contact problem: every number of order one at any torque and in any units.
-
-Optimisation codes stop on absolute tolerances. In N, mm and N mm these are meaningless: several well-known solvers
-then report success with loads wrong by half. The scaling here does four things.
+Optimisation codes stop on absolute tolerances. In N, mm and N mm these are meaningless: several well-known solvers then
+report success with loads wrong by half. The scaling here, by the load, does four things.
 
 1. *Shift.* The rotation is counted from the first contact of the rigid bodies, so that large separations cancel,
    without error, before they meet small deflections.

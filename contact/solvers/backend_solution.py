@@ -62,13 +62,13 @@ def backend_solution(
     form: str = "auto",
     polish: PolishRule | None = DEFAULT_POLISH,
     raw: bool = False,
-    own: tuple[str, ...] = (),
+    options: tuple[str, ...] = (),
     limits: Limits = NO_LIMITS,
 ) -> ContactSolution:
     """Solve a contact problem with a backend, named or of one's own, and certify its answer.
 
-    ``raw`` gives it the problem in mm and N as it is and leaves its answer; an exception that one of the ``own``
-    settings can have caused is raised as `InputError`.
+    ``raw`` gives it the problem in mm and N as it is and leaves its answer; an exception that one of the user's
+    ``options`` can have caused is raised as `InputError`.
     """
     start = perf_counter()
     declared = adapter if isinstance(adapter, Solver) else None
@@ -119,9 +119,9 @@ def backend_solution(
         solution = no_solution(problem.size, status, solver, **facts)
     except Exception as error:
         foreign = error if isinstance(error, ForeignCodeError) else None
-        if own and isinstance(error.__cause__ if foreign else error, TypeError | AttributeError | ValueError):
-            hint = limit_hint(solver, own)
-            raise InputError(f"{solver} refuses the settings {', '.join(sorted(own))}: {error}{hint}") from error
+        if options and isinstance(error.__cause__ if foreign else error, TypeError | AttributeError | ValueError):
+            hint = limit_hint(solver, options)
+            raise InputError(f"{solver} refuses the settings {', '.join(sorted(options))}: {error}{hint}") from error
         late = foreign is not None and foreign.is_time_limit
         status, report = (Status.TIME_LIMIT, "") if late else (Status.SOLVER_FAILED, RAISED)
         facts |= {"claim": report, "words": str(foreign) if foreign else reason_of(error)}

@@ -1,20 +1,19 @@
-"""Primal-dual active set, also called block principal pivoting: the first method for small problems.
+"""Active sets: primal-dual, the first method for small problems, and primal, where that cycles.
 
-Assume which segments touch, solve the linear system, then move every segment with a wrong sign at once: out of the set
-where the force is negative, into it where the gap is. This is Newton's method on the complementarity conditions and
-ends, mostly after two to five solves, when no sign is wrong; the answer is then exact up to rounding. It can cycle
-where C is nearly singular. After a few steps without progress single segments move, always the last one of the wrong
-sign (Murty 1974; Kostreva 1978; Judice and Pires 1994). Where C is singular on the set, progress must go on: the primal
-active set does better.
+The primal-dual one is also called block principal pivoting. Assume which segments touch, solve the linear system, then
+move every segment with a wrong sign at once: out of the set where the force is negative, into it where the gap is. This
+is Newton's method on the complementarity conditions and ends, mostly after two to five solves, when no sign is wrong;
+the answer is then exact up to rounding. It can cycle where C is nearly singular. After a few steps without progress
+single segments move, always the last one of the wrong sign (Murty 1974; Kostreva 1978; Judice and Pires 1994). Where C
+is singular on the set, progress must go on: the primal active set does better.
 
-Primal active set: always feasible, the energy never rises: for singular compliances, and where others cycle.
-
-The forces stay nonnegative and in equilibrium. On the touching segments the energy is minimised; if a force would turn
-negative, the step stops there and that segment is released. At a minimum, the segment that penetrates most enters. The
-pattern is that of Lawson and Hanson (1974, chapter 23) for nonnegative least squares. Where the forces of the touching
-segments would not be unique with another one, loading that one changes nothing but the forces of the others, at no
-cost: it enters in place of the first whose force vanishes, as in the simplex method. The system of the touching
-segments is kept up to date from step to step (`DenseTouching`): O(n a) a step for a touching segments.
+The primal one is always feasible, and its energy never rises. The forces stay nonnegative and in equilibrium. On the
+touching segments the energy is minimised; if a force would turn negative, the step stops there and that segment is
+released. At a minimum, the segment that penetrates most enters. The pattern is that of Lawson and Hanson (1974, chapter
+23) for nonnegative least squares. Where the forces of the touching segments would not be unique with another one,
+loading that one changes nothing but the forces of the others, at no cost: it enters in place of the first whose force
+vanishes, as in the simplex method. The system of the touching segments is kept up to date from step to step
+(`DenseTouching`): O(n a) a step for a touching segments.
 """
 
 from __future__ import annotations

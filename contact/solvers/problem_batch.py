@@ -51,10 +51,10 @@ class ContactSolutions:
     --------
     >>> import numpy as np
     >>> springs = ContactProblem(np.zeros(2), np.full(2, 40.0), 8.0e4, (np.full(2, 1e-6), np.zeros((2, 1))))
-    >>> found = solve_many(springs, torque=[8.0e4, 4.0e4])
-    >>> found.force.tolist(), found.certified.all().item()
+    >>> solutions = solve_many(springs, torque=[8.0e4, 4.0e4])
+    >>> solutions.force.tolist(), solutions.certified.all().item()
     ([[1000.0, 1000.0], [500.0, 500.0]], True)
-    >>> [round(solution.rotation * 1e6, 6) for solution in found]
+    >>> [round(solution.rotation * 1e6, 6) for solution in solutions]
     [25.0, 12.5]
     """
 

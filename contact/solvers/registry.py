@@ -264,7 +264,7 @@ def _solved(request: _Request, solver: ChosenSolver) -> ContactSolution:
 
 
 def _solve_backend(request: _Request, solver: ChosenSolver) -> ContactSolution:
-    limits, settings, start, name, declared = request.limits, request.settings, {}, solver.name, solver.own
+    limits, settings, start, name, declared = request.limits, request.settings, {}, solver.name, solver.declaration
     if request.force is not None and solver.facts.warm_start:
         start["initvals"] = start_force(request.force, request.problem) / request.problem.scaling.force
     adapter: Adapter | Solver
@@ -279,7 +279,7 @@ def _solve_backend(request: _Request, solver: ChosenSolver) -> ContactSolution:
         {**keywords, **start},
         form=request.form,
         polish=DEFAULT_POLISH if request.polish else None,
-        own=tuple(settings) if declared is None else (),  # what a function of one's own takes is known already
+        options=tuple(settings) if declared is None else (),  # what a function of one's own takes is known already
         limits=limits,
     )
 

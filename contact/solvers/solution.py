@@ -111,7 +111,7 @@ class ContactSolution:
         if not self.certified:
             return f"{head}\n  {self.message}" if self.message else head
         touching = f"{np.count_nonzero(self.active)} of {self.force.size} segments in contact"
-        return f"{head}, {touching}, rotation {self.rotation:.6g} rad\n  {self.certificate.told(self.tolerance)}"
+        return f"{head}, {touching}, rotation {self.rotation:.6g} rad\n  {self.certificate.verdict(self.tolerance)}"
 
     @property
     def certified(self) -> bool:

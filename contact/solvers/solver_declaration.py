@@ -1,11 +1,9 @@
 """Declaration of a solver of one's own: a function, the forms it takes, and what may be asked of it.
 
-Reading of what a function of one's own returned; whatever is no answer becomes a status with a reason.
-
-Where solvers of one's own are found: a declaration, a function, ``module:function``, or an entry point.
-
-A distribution announces its solvers in the entry-point group ``easeoff.solvers``, each by a name and the place of a
-function or a `Solver`. Nothing of it is imported before the solver is used.
+Whatever it returns that is no answer becomes a status with a reason. A solver is given as a declaration, a function,
+``module:function``, or an entry point. A distribution announces its solvers in the entry-point group
+``easeoff.solvers``, each by a name and the place of a function or a `Solver`. Nothing of it is imported before the
+solver is used.
 """
 
 from __future__ import annotations
@@ -309,18 +307,18 @@ class ChosenSolver:
     """A solver that can be used, of the table or one's own: what a user's choice stands for, see `chosen_solver`."""
 
     name: str
-    own: Solver | None  # None: of the table
+    declaration: Solver | None  # None: of the table
     asked: str  # as the user named it
 
     @property
     def is_native(self) -> bool:
         """True for the native solver."""
-        return self.own is None and self.name == "native"
+        return self.declaration is None and self.name == "native"
 
     @property
     def facts(self) -> Solver | SolverSettings:
         """Declared properties."""
-        return self.own or SOLVERS[self.name]
+        return self.declaration or SOLVERS[self.name]
 
 
 #: What names a solver: a name, ``module:function``, a function, its declaration, or what was found for one of these.

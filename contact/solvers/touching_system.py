@@ -8,7 +8,7 @@ has a unique solution if no change of the forces of A is free: none that costs n
 are Y = C F - r theta - g; with g = -S they are those of the contact problem. Derivatives of a solution solve the same
 system with other right-hand sides.
 
-The linear system of a given active set: its segments touch, all others are open.
+For a given set, all other segments open, and g = -S the system
 
     [ C_AA  -r_A ] [ F_A   ]   [ -S_A ]
     [ r_A'    0  ] [ theta ] = [  T   ]
@@ -17,7 +17,7 @@ is solved with one Cholesky factor of C_AA and two right-hand sides, u = C_AA^-1
 theta = (T + r_A'v) / (r_A'u), F_A = theta u - v. A block that is singular to rounding is shifted and the answer
 refined, or refused, as the caller wants; `DenseTouching` leaves segments out, and goes from one set to the next.
 
-The system of the touching segments by a Cholesky factor, and by its explicit inverse once the segments change.
+Once segments enter or leave, the explicit inverse takes the place of the factor:
 
     K = [ 0    r_A' ]        K [ -theta ]   [ T   ]
         [ r_A  C_AA ],         [  F_A   ] = [ g_A ].
@@ -26,11 +26,9 @@ A segment that enters or leaves changes the inverse by a matrix of rank one (Sch
 O(a^3). One step of iterative refinement with C itself takes away what the updates lose, and after many of them the
 inverse is made anew. C_AA itself may be singular.
 
-The linear system of a given active set for C = diag(d) + U U^T, without the matrix C.
-
-With the modal amplitudes c = U_A'F_A, the segments P of the active set that have a local compliance are eliminated,
-F_P = (theta r_P - S_P - U_P c) / d_P. What is left is small: the amplitudes, the forces of the segments Z that have
-(nearly) no local compliance, and the rotation,
+For C = diag(d) + U U^T the matrix C is never formed. With the modal amplitudes c = U_A'F_A, the segments P of the
+active set that have a local compliance are eliminated, F_P = (theta r_P - S_P - U_P c) / d_P. What is left is small:
+the amplitudes, the forces of the segments Z that have (nearly) no local compliance, and the rotation,
 
     [ I + U_P'U_P/d   -U_Z'   -U_P'r_P/d ] [ c     ]   [ -U_P'S_P/d    ]
     [ -U_Z            -d_Z     r_Z       ] [ F_Z   ] = [  S_Z          ]

@@ -109,11 +109,11 @@ class Round:
 
 
 @dataclass(frozen=True, eq=False)
-class FoundRound:
+class LastRound:
     """The last round at torques (t), by their numbers, and the reason why the rounds ended."""
 
     torques: tuple[int, ...]
-    found: Round
+    round: Round
     count: int
     change: float
     status: RoundsStatus

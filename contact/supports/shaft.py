@@ -4,10 +4,10 @@ Force method: the shaft is held where the member sits, and released there. With 
 shaft, the twist q of the member, the compliance F of the held beam between the bearings and that of the bearings,
 (F + K^-1) r = -R q and R' r = -w. The beam is exact, and bearings may be as stiff as one likes.
 
-A stepped round beam: stretching, torsion, and bending in two planes with shear (Timoshenko).
-
-The compliance of a cylindrical piece follows from the unit-load theorem in closed form. Pieces in a row carry the same
+The beam is round and stepped, with stretching, torsion, and bending in two planes with shear (Timoshenko). The
+compliance of a cylindrical piece follows from the unit-load theorem in closed form. Pieces in a row carry the same
 wrench, taken about one point, so their compliances about that point add up: without nodes, elements or meshing error.
+
 
 """
 

@@ -1,14 +1,10 @@
 """Supports of pinion and gear: shafts, bearings and housing as the compliance of rigid members.
 
-Wrenches, twists, stiffness and compliance, and how they change with the reference point.
-
 A wrench is a force [N] and its moment [N mm] about a point, a twist the translation [mm] of that point and a rotation
 [rad]: their product is work. All components are those of the pair's global frame.
 
-Stiffness and compliance matrices of supports: what is checked of them, and the inverse of a stiffness.
-
-A member has six rows: x, y, z of the force and of the moment, or of the translation and of the rotation; two members
-have twelve, the pinion first.
+In stiffness and compliance a member has six rows: x, y, z of the force and of the moment, or of the translation and of
+the rotation; two members have twelve, the pinion first.
 """
 
 from __future__ import annotations
@@ -122,7 +118,7 @@ def inverse(stiffness: Array, free: Sequence[tuple[Array, MemberAxis]] = (), kep
     return np.asarray(0.5 * (compliance + compliance.T))
 
 
-def held(compliance: Array, couples: Array) -> Array:
+def constrained(compliance: Array, couples: Array) -> Array:
     """A compliance (n, n) with the rotations held that couples (n, m) turn."""
     for couple in couples.T:
         turned = compliance @ couple
@@ -421,7 +417,7 @@ class Supports:
             block = slice(6 * i, 6 * i + 6)
             shift[block, block] = shift_matrix(ORIGIN, member.reference)
         # A couple is the same about every point.
-        return shift.T @ held(self.compliance, couples[:, 1:] if self.wind_up else couples) @ shift
+        return shift.T @ constrained(self.compliance, couples[:, 1:] if self.wind_up else couples) @ shift
 
     def relative(self, assembly: Assembly) -> Array:
         """Twist of the pinion relative to the gear for the wrench of the gear on the pinion, about the origin (6, 6).

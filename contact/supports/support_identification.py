@@ -43,8 +43,8 @@ class IdentifiedSupport:
     >>> from easeoff.cases import gear_pair, read_case
     >>> assembly = gear_pair(read_case("fm-11x41")).assembly
     >>> force = np.array([[9.0e3, -8.5e3, -2.5e3, 0.0, 0.0, 3.7e5]])
-    >>> found = identified_support(assembly, force, [[-0.1, 0.08, -0.02, 3e-4]])
-    >>> found.independent_forces, found.determined
+    >>> identified = identified_support(assembly, force, [[-0.1, 0.08, -0.02, 3e-4]])
+    >>> identified.independent_forces, identified.determined
     (1, 4)
     """
 

@@ -1,13 +1,11 @@
 """Loaded contact of a pair on its supports, with the motion of its members under load.
 
-Results of a pair on supports: misalignment under load, mesh force, bearing loads, shares of the rotation.
+The assembly under load is found in rounds. The contact problem of a round has the ease-off of its assembly, and what
+the members move beyond it to first order. What is left to the next round is that the forces turn and move with the
+flanks: about a hundredth of the change before.
 
-A pair on supports: its contact in one assembly, and the rounds that lead to the assembly under load.
-
-The contact problem of a round has the ease-off of its assembly, and what the members move beyond it to first order.
-What is left to the next round is that the forces turn and move with the flanks: about a hundredth of the change before.
-
-Relative motion of pinion and gear: a twist as E, P, G, Sigma and the rotations of both about their axes.
+The relative motion of pinion and gear is a twist, told as E, P, G, Sigma and the rotations of both about their axes.
+With it stand mesh force, bearing loads and shares of the rotation.
 """
 
 from __future__ import annotations
@@ -28,7 +26,7 @@ from ...geometry.pair.gear_pair import MEMBERS
 from ..loaded import CycleSolver, LoadedCase, loaded_dataset, rotation_numbers
 from ..mesh_wrench import MeshWrenches, SupportModes
 from ..segments import HeldMembers, Segments
-from .assembly_rounds import AssemblyRounds, CycleInAssembly, FoundRound, Round, RoundsStatus, Update
+from .assembly_rounds import AssemblyRounds, CycleInAssembly, LastRound, Round, RoundsStatus, Update
 from .support import ORIGIN, LoadedSupports, Supports, member_axes, shifted_wrench
 
 #: Parts of a relative motion, in this order: the four of ``Misalignment``, then the rotations in the drive sense.
@@ -98,7 +96,7 @@ class SupportedPair:
         motion = cycle.geometry.exact.motion
         return RelativeMotion(motion.assembly, motion.pinion_sense)
 
-    def solved(self, torques: Array, rounds: AssemblyRounds) -> list[FoundRound]:
+    def solved(self, torques: Array, rounds: AssemblyRounds) -> list[LastRound]:
         """The last rounds at torques (t) [N m]: of all together where nothing is updated, else of each alone."""
         every = tuple(range(torques.size))
         alone = [torques[i : i + 1] for i in every]
@@ -110,21 +108,21 @@ class SupportedPair:
             return [self._ended(every, torques, together, rounds)]
         return [self._ended((i,), alone[i], together.at(i), rounds) for i in every]
 
-    def _ended(self, numbers: tuple[int, ...], torques: Array, first: Round, rounds: AssemblyRounds) -> FoundRound:
+    def _ended(self, numbers: tuple[int, ...], torques: Array, first: Round, rounds: AssemblyRounds) -> LastRound:
         """The last round at torques (t), counted by the progress."""
         ended = self._rounds(numbers, torques, first, rounds)
         if self.progress is not None:
-            for _ in ended.found.cases:
+            for _ in ended.round.cases:
                 self.progress()
         return ended
 
-    def _rounds(self, numbers: tuple[int, ...], torques: Array, last: Round, rounds: AssemblyRounds) -> FoundRound:
+    def _rounds(self, numbers: tuple[int, ...], torques: Array, last: Round, rounds: AssemblyRounds) -> LastRound:
         """The last round at torques (t), from the first."""
         absorbed, supports = np.zeros((len(last.supports), 6)), last.supports
         for count in range(1, rounds.most + 1):
             now, following = self._next(last, absorbed, rounds.update)
             change = self._change(last, now - absorbed, following) if rounds.update != "none" or following else 0.0
-            ended = FoundRound(numbers, last, count, change, RoundsStatus.ENDED, "")
+            ended = LastRound(numbers, last, count, change, RoundsStatus.ENDED, "")
             if not np.isfinite(change):
                 reason = "no mesh position has a certified solution"
                 return replace(ended, status=RoundsStatus.NOT_CERTIFIED, reason=reason)
@@ -301,7 +299,7 @@ def _shares(rotation: Array, cases: Sequence[LoadedCase], torques: Array) -> lis
         bending = float(np.sum((force @ segments.bending.factor) ** 2))
         local = float(force @ segments.line_contact.deflection(force))
         wrench = segments.mesh_wrench(force)
-        motion = 0.0 if segments.held is None else float(segments.held.twist(wrench) @ wrench)
+        motion = 0.0 if segments.support is None else float(segments.support.twist(wrench) @ wrench)
         for share, work in zip(shares, (bending, local, motion), strict=True):
             share[place] = work / (1e3 * torques[case.torque])
     return [*shares, rotation - sum(shares)]
@@ -329,23 +327,23 @@ class SupportedContact:
     >>> geometry = pair_geometry(gear_pair(read_case("nasa-12x36")), (9, 7))
     >>> cycle = MeshCycle.of(geometry, mesh_positions=2, segments_per_line=9)
     >>> spring = Support((0.0, 0.0, 0.0), np.diag([5e-6, 5e-6, 5e-6, 1e-10, 1e-10, 1e-10]))
-    >>> found = cycle.supported([100.0], Supports(spring, spring))
-    >>> found.misalignment["offset"].dims
+    >>> supported = cycle.supported([100.0], Supports(spring, spring))
+    >>> supported.misalignment["offset"].dims
     ('torque', 'mesh_position')
     """
 
     pair: SupportedPair
     torques: Array
-    rounds: tuple[FoundRound, ...]
+    rounds: tuple[LastRound, ...]
 
     @cached_property
     def cases(self) -> list[LoadedCase]:
         """Every solved case with its contact problem."""
-        cases = [replace(case, torque=one.torques[case.torque]) for one in self.rounds for case in one.found.cases]
+        cases = [replace(case, torque=one.torques[case.torque]) for one in self.rounds for case in one.round.cases]
         return sorted(cases, key=lambda case: (case.mesh_position, float(self.torques[case.torque])))
 
     @cached_property
-    def _by_torque(self) -> list[tuple[FoundRound, int]]:
+    def _by_torque(self) -> list[tuple[LastRound, int]]:
         """Last round of every torque, and its number in there."""
         places = {number: (one, row) for one in self.rounds for row, number in enumerate(one.torques)}
         return [places[number] for number in range(self.torques.size)]
@@ -353,11 +351,11 @@ class SupportedContact:
     @cached_property
     def assemblies(self) -> list[tuple[tuple[int, ...], CycleInAssembly]]:
         """Numbers of the torques and the pair in the assembly of their geometry."""
-        return [(one.torques, one.found.cycle) for one in self.rounds]
+        return [(one.torques, one.round.cycle) for one in self.rounds]
 
     def over_torque(self, name: str) -> Array:
         """An array of the rounds over all torques (t, ...)."""
-        return np.stack([getattr(one.found, name)[row] for one, row in self._by_torque])
+        return np.stack([getattr(one.round, name)[row] for one, row in self._by_torque])
 
     @property
     def mesh_wrench(self) -> Array:
@@ -384,7 +382,7 @@ class SupportedContact:
     @cached_property
     def loaded(self) -> xr.Dataset:
         """The group ``/loaded``; its transmission error leaves out ``support_rotation``."""
-        segments = [position_segments for one in self.rounds for position_segments in one.found.segments]
+        segments = [position_segments for one in self.rounds for position_segments in one.round.segments]
         dataset = loaded_dataset(segments, self.cases, self.torques, self.pair.cycle.lines.rotations)
         numbers = rotation_numbers(1e6 * self.transmission_error)
         return dataset.assign({name: (dims, values, dataset[name].attrs) for name, (dims, values) in numbers.items()})
@@ -406,7 +404,7 @@ class SupportedContact:
     def supports(self) -> xr.Dataset:
         """The group ``supports`` of a result: motion, mesh force, bearing loads and shares of the rotation (t, k)."""
         parts, wrench, rotation = (self.over_torque(name) for name in ("parts", "wrench", "rotation"))
-        ended, rounds = [one for one, _ in self._by_torque], [one.found for one, _ in self._by_torque]
+        ended, rounds = [one for one, _ in self._by_torque], [one.round for one, _ in self._by_torque]
         shares = _shares(rotation, self.cases, self.pair.assembly.ratio * self.torques)
         statuses = np.array([one.status for one in ended], dtype=np.int8)
         data: dict[str, Any] = {

@@ -10,10 +10,9 @@ the heights that a Gaussian isotropic surface with the autocorrelation exp(-(r/l
 Technology 93 (1971) 398; McCool, Wear 107 (1986) 37). Its spectral moments are m0 = s^2, m2 = 2 s^2 / l^2 and
 m4 = 12 s^2 / l^4, so that rms height s and correlation length l of the two surfaces together say everything.
 
-Heights of surfaces: measured or generated profiles, waves, and single asperities.
-
-A profile is any function from the position on the surface [m] to its height there [m], outward positive. Those here
-have no jumps, so that they can move through the contact by any fraction of a grid spacing.
+Roughness that does move is a profile: measured or generated heights, waves, or a single asperity. A profile is any
+function from the position on the surface [m] to its height there [m], outward positive. Those here have no jumps, so
+that they can move through the contact by any fraction of a grid spacing.
 """
 
 from __future__ import annotations

@@ -14,9 +14,8 @@ block beside the diagonal is kept as a product of two thin matrices, and
 is reduced to the solutions of its halves, with b and U as right-hand sides, and one small system. K is Toeplitz: all
 blocks of one size share V, and their U are products of C with one matrix. Blocks of one size are treated together.
 
-Elastic deflection of two half planes in line contact: a convolution with the logarithm, exact for hat functions.
-
-In units of the Hertz contact the deflection under the pressure P is
+K is the deflection of two half planes in line contact, a convolution with the logarithm. In units of the Hertz contact
+the deflection under the pressure P is
 
     D(X) = -1/pi  integral P(X') ln|X - X'| dX'.
 

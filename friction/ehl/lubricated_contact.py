@@ -1,8 +1,7 @@
 """Operating conditions of one lubricated line contact, with its scales and its dimensionless groups.
 
-Oil at its inlet temperature: viscosity, density and conductivity under pressure.
-
-Heat of the inlet: the film thins where lubricant is sheared before the contact, by factors with a name.
+The oil has viscosity, density and conductivity under pressure, at its inlet temperature. There lubricant is sheared
+before the contact, and its heat thins the film by factors with a name.
 """
 
 from __future__ import annotations

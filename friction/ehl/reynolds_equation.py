@@ -20,8 +20,7 @@ equations. The flow under pressure has the mean of rho phi / eta of both nodes, 
 where a gap closes, nothing flows through. Where asperities touch, only the part of P that the lubricant carries drives
 it, see ``fluid_part``.
 
-Film, rupture and touching asperities as one complementarity condition a node, and its semismooth Newton method.
-
+Film, rupture and touching asperities are one complementarity condition a node, solved by a semismooth Newton method.
 The lubricated contact asks at each node for
 
     P >= 0,   V >= 0,   g >= 0,   and one of them zero:    min(P, V, g) = 0.
@@ -39,10 +38,8 @@ these are as many equations as unknowns: the pressures, and the approach H_0 of 
 Each of the three is divided by a positive scale, and the smallest says which of them the next Newton step sets to zero.
 The linear system is that of ``hierarchical_matrix``, with the derivative by H_0 as a second right-hand side.
 
-Certificate of an answer of the film model: violations of each condition by pressures and approach.
-
-Everything is evaluated anew from pressures and approach, never taken from the iteration. All entries are dimensionless;
-zero is perfect.
+The certificate of an answer holds the violations of each condition by pressures and approach. Everything is evaluated
+anew from pressures and approach, never taken from the iteration. All entries are dimensionless; zero is perfect.
 """
 
 from __future__ import annotations
@@ -62,7 +59,7 @@ from .hierarchical_matrix import Deflection
 from .lubricated_contact import LubricatedContact
 
 #: Smallest film thickness in the cube of the flow under pressure, as a fraction of the unit a^2 / R. The iteration may
-#: pass through thinner and negative films; no answer may, see ``FilmCertificate``.
+#: pass through thinner and negative films; no answer may, see ``Certificate``.
 THINNEST_FILM = 1e-9
 #: Largest ln(viscosity) that is told apart from a solid: the flow under pressure is nil long before.
 LOG_VISCOSITY_LIMIT = 100.0
@@ -218,7 +215,7 @@ PRESSURE_TOLERANCE = 1e-9
 
 
 class State(StoredStatus):
-    """Which condition holds at a node; the order is that of the members of the condition.
+    """Condition that holds at a node; the order is that of the members of the condition.
 
     Examples
     --------
@@ -364,7 +361,7 @@ def _attempt(problem: Problem, pressure: Array, approach: float, pace: Pace, spe
 
 
 def _states(problem: Problem, point: Point, pace: Pace) -> States:
-    """Which member of the condition is the smallest, each in units of pressure."""
+    """Number of the smallest member of the condition at each node, in units of pressure."""
     influence = problem.deflection.influence[[2, 1, 0, 1]]  # at the distances of hierarchical.OFFSETS
     by_own_pressure = np.abs(point.balance.by_pressure[2] + influence @ point.balance.by_film)
     by_own_pressure[[0, -1]] = 1.0

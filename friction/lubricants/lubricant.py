@@ -119,8 +119,8 @@ class Lubricant:
 
     Examples
     --------
-    >>> own = Lubricant("own", "An oil", "its data sheet", [40.0, 100.0], [0.08, 0.01], [2e-8, 1.5e-8])
-    >>> print(f"{own.at(70.0).viscosity:.4f} Pa s")
+    >>> oil = Lubricant("own", "An oil", "its data sheet", [40.0, 100.0], [0.08, 0.01], [2e-8, 1.5e-8])
+    >>> print(f"{oil.at(70.0).viscosity:.4f} Pa s")
     0.0235 Pa s
     """
 

@@ -1,10 +1,9 @@
 """The cutter blade: position of its edge on the cutter, and the sections of the edge.
 
-The edge of a blade as a chain of straight lines and circular arcs: edge radius, toprem, profile, flankrem.
-
-The plane of the blade has the coordinates ``outward``, counted from the point radius towards the metal that is cut, and
-``height``, counted from the tip plane towards the shank. Along the edge runs one coordinate: millimetres from the end
-of the edge radius upwards, and from -1 (tip land) to 0 within the edge radius, whatever its size.
+The edge is a chain of straight lines and circular arcs: edge radius, toprem, profile, flankrem. The plane of the blade
+has the coordinates ``outward``, counted from the point radius towards the metal that is cut, and ``height``, counted
+from the tip plane towards the shank. Along the edge runs one coordinate: millimetres from the end of the edge radius
+upwards, and from -1 (tip land) to 0 within the edge radius, whatever its size.
 """
 
 from __future__ import annotations

@@ -4,12 +4,8 @@ A generated flank has the two parameters (cutter angle, cradle rotation); the bl
 equation of meshing (Kolivand 2009, Eq. 2.8). A Formate flank is what the blade sweeps, with the parameters (cutter
 angle, blade coordinate). Every section of the blade has its own surface.
 
-The equation of meshing: the point of the blade that touches a generated flank (Kolivand 2009, Eq. 2.8).
-
-The edge, the velocity of its point by the cutter's turning and that by the cradle's lie in one plane there. A velocity
-by a rotation is given as (spin, shift): velocity = spin x point + shift.
-
-Points of a generating surface with their tangents, and the search for those with given coordinates.
+By that equation the edge, the velocity of its point by the cutter's turning and that by the cradle's lie in one plane
+where the blade touches the flank. A velocity by a rotation is given as (spin, shift): velocity = spin x point + shift.
 
 Cutting a point is the costly part of every flank: here it is done once a point, with its derivatives, which tell
 everything that depends on the place of the surface in space.
@@ -392,12 +388,12 @@ def points_at(
     """
     kept, known = start, True
 
-    def derivatives(here: Array, active: Integers) -> tuple[Array, Array]:
+    def derivatives(parameters: Array, active: Integers) -> tuple[Array, Array]:
         nonlocal kept, known
         if known:
             known = False
             return locate(kept)
-        points = SurfacePoints.of(surface, here)
+        points = SurfacePoints.of(surface, parameters)
         kept = points if active.size == target.shape[1] else kept.with_others(active, points)
         return locate(points)
 

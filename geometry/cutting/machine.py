@@ -6,8 +6,6 @@ Machine frame: z along the cradle axis, towards the blank; x along the root line
 crossing point and work offset are zero. Member frame: z along the member's own axis, from the crossing point to the
 heel; the tooth lies near the x axis.
 
-Position and motion of cutter and work at a cradle rotation, with every setting free to move.
-
 Any setting may be a polynomial in the cradle increment: helical motion moves the sliding base, vertical motion the work
 offset, and so on. Everything is seen from a frame that turns with the cradle, x towards the cutter centre; there the
 velocity of a blade point relative to the work is a spin and a shift, whatever moves. The chain from the cutter to the

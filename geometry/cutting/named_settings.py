@@ -5,12 +5,9 @@ profile (``spheric_radius``), zero for a straight one; ``modified_roll_2c`` to `
 derivatives of the work rotation, and ``sliding_base_motion_1``, ``sliding_base_motion_2``, ... those of a setting by
 the cradle increment, as in case files (there degrees, here radians).
 
-Which settings of a set-up may be moved: those that its machine and its blade have.
-
-Resolution of machine and cutter settings: the steps to which they are set, and how they are written.
-
-The steps are those of a numerically controlled machine that is set by the digits of a summary sheet; a change of one
-moves a flank by a tenth of a micrometre or less. Blades are ground and trued to coarser ones.
+Of a set-up those may be moved that its machine and its blade have, in steps to which they are set. The steps are those
+of a numerically controlled machine that is set by the digits of a summary sheet; a change of one moves a flank by a
+tenth of a micrometre or less. Blades are ground and trued to coarser ones.
 """
 
 from __future__ import annotations
@@ -169,7 +166,7 @@ def free_settings(surface: GeneratingSurface, given: Sequence[str] | None) -> tu
 
 
 def _reason(name: str) -> str:
-    """Why a setting that exists elsewhere cannot be moved here."""
+    """Reason why a setting that exists elsewhere cannot be moved here."""
     if name == "ratio_of_roll" or name in MODIFIED_ROLL_ORDERS or MOTION_PATTERN.fullmatch(name):
         return "; this member is Formate and has no roll"
     if name in TILTS:

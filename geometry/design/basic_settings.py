@@ -326,8 +326,8 @@ def conjugate_pinion(gear: GeneratingSurface, assembly: Assembly, blade_height: 
     >>> from easeoff.geometry import Misalignment, ease_off
     >>> pair = gear_pair(read_case("fm-11x41")).misaligned(Misalignment())
     >>> surface = conjugate_pinion(pair.gear.loaded, pair.assembly, blade_height=10.0)
-    >>> found = ease_off(replace(pair, pinion=replace(pair.pinion, loaded=surface)), (5, 5))
-    >>> bool(abs(found["ease_off"]).max() < 1e-6)  # [um]
+    >>> dataset = ease_off(replace(pair, pinion=replace(pair.pinion, loaded=surface)), (5, 5))
+    >>> bool(abs(dataset["ease_off"]).max() < 1e-6)  # [um]
     True
     """
     instance("gear", gear, GeneratingSurface)

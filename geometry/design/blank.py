@@ -1,13 +1,10 @@
 """Blanks of bevel and hypoid gears by ISO 23509:2016: from basic data to every cone, apex, depth and thickness.
 
-The angles of a generated flank at a point of the pitch cone, measured on the surface itself.
-
 A blank prescribes spiral angle and pressure angle at the mean point; basic settings aim at them by formulas. Here they
 are measured, so that the settings can be corrected until the flank has them.
 
-From the pitch cones to the teeth: pressure angles, depth, face and root cones, face width, thickness.
-
-One function for each step of ISO 23509:2016, clause 7. Pairs of values are ordered pinion, gear.
+From the pitch cones to the teeth there is one function for each step of ISO 23509:2016, clause 7. Pairs of values are
+ordered pinion, gear.
 """
 
 from __future__ import annotations

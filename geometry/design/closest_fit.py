@@ -1,10 +1,7 @@
 """The fit that comes nearest to a target ease-off, one flank at a time, on a machine that knows no limits.
 
-How near a fit has to come to its target ease-off: good, usable or refused.
-
-Standard steps of the cutters: blade angles, point widths and edge radii as a tool room stocks and grinds them.
-
-They are taken before the machine settings are fitted, so that these make up for them.
+By how near it comes a fit is good, usable or refused. Blade angles, point widths and edge radii that a tool room stocks
+or grinds in standard steps are taken before the machine settings are fitted, so that these make up for them.
 """
 
 from __future__ import annotations

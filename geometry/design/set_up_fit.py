@@ -3,9 +3,7 @@
 The start is the pinion that the crown gear of the gear cuts: a machine without tilt whose cradle rolls as the gear's
 pitch cone does. Its machine root angle is then laid along the root cone of the pinion.
 
-The width of a pinion's slot at its mean point, where one cutter cuts both flanks of it.
-
-The machine without tilt: its root angle along the root cone of the pinion, its tip plane through that cone's apex.
+One cutter for both flanks also has to leave the pinion's slot as wide at its mean point as the blank says.
 
 The tip plane of the cutter stands still while the cradle turns. Seen from the work it envelops a cone with the machine
 root angle whose apex is where the work axis meets the plane: the root of the tooth lies on it, whatever else is set.
@@ -104,6 +102,7 @@ def along_the_root(surface: GeneratingSurface, blank: BlankDimensions) -> Genera
 
 #: Pair to start from, target, and what ``root_gap`` gives for blade tips on the root cone.
 Side = tuple[GearPair, EaseOffTarget, Array]
+Sides = Mapping[FlankName, Side]
 
 NODES = (9, 7)
 FOLD_MARGIN = 0.2  # see ``fit_pinion``
@@ -122,18 +121,18 @@ class SetUpResidual:
 
     parts: Sequence[EaseOffResidual]
     shared: int  # number of machine settings that move, their steps first
-    own: int  # number of settings of each blade
+    blade_steps: int  # number of those of each blade
     slot: MeanSlot | None
 
     @property
     def size(self) -> int:
         """Number of steps."""
-        return self.shared + self.own * len(self.parts)
+        return self.shared + self.blade_steps * len(self.parts)
 
     def columns(self, part: int) -> Array:
         """Places of one flank's steps among all."""
-        first = self.shared + part * self.own
-        return np.concatenate([np.arange(self.shared), np.arange(first, first + self.own)])
+        first = self.shared + part * self.blade_steps
+        return np.concatenate([np.arange(self.shared), np.arange(first, first + self.blade_steps)])
 
     def __call__(self, steps: Array) -> Array:
         """Residuals [um] of every flank, and of the slot."""
@@ -241,7 +240,7 @@ class _Machine:
 
 
 def _stepped(
-    fits: Mapping[FlankName, Synthesis], sides: Mapping[FlankName, Side], machine: _Machine, steps: StandardSteps
+    fits: Mapping[FlankName, Synthesis], sides: Sides, machine: _Machine, steps: StandardSteps
 ) -> dict[FlankName, Synthesis]:
     """The fits with blades at standard steps, and the machine settings fitted once more."""
     milled = {side: fit.surface.settings.indexing_ratio == 0.0 for side, fit in fits.items()}
@@ -255,7 +254,7 @@ def _stepped(
     for side, (pair, target, root) in sides.items():
         surface = with_settings(fits[side].surface, blades[side])
         near[side] = (replace(pair, pinion=replace(pair.pinion, loaded=surface)), target, root)
-    again = _fit(near, machine, own=names)
+    again = _fit(near, machine, blade=names)
     return {side: started_from(sides[side][0].pinion.loaded, fit, fits[side].moved) for side, fit in again.items()}
 
 
@@ -285,26 +284,26 @@ def _cost(fits: Mapping[FlankName, Synthesis]) -> float:
 
 
 def set_up_residual(
-    sides: Mapping[FlankName, Side], shared: Sequence[str], blank: BlankDimensions, own: Sequence[str] = BLADE_SETTINGS
+    sides: Sides, shared: Sequence[str], blank: BlankDimensions, blade: Sequence[str] = BLADE_SETTINGS
 ) -> SetUpResidual:
     """Residuals of a set-up that cuts the given sides; each begins from the same machine settings."""
-    names, tie = (*shared, *own), None if "sliding_base" in shared else partial(_on_the_root, blank)
+    names, tie = (*shared, *blade), None if "sliding_base" in shared else partial(_on_the_root, blank)
     parts = [
         EaseOffResidual.of(pair, target, names, NODES, FOLD_MARGIN, follow_root=tie is None, wanted_root=root, tie=tie)
         for pair, target, root in sides.values()
     ]
     slot = None
-    if len(parts) == 2 and parts[0].start.settings.indexing_ratio == 0.0 and "point_radius" in own:
+    if len(parts) == 2 and parts[0].start.settings.indexing_ratio == 0.0 and "point_radius" in blade:
         slot = MeanSlot.of(parts[0].start, parts[1].start, sides["drive"][0].pinion.section, blank)
-    return SetUpResidual(parts, len(shared), len(own), slot)
+    return SetUpResidual(parts, len(shared), len(blade), slot)
 
 
 def _fit(
-    sides: Mapping[FlankName, Side], machine: _Machine, *, own: tuple[str, ...] = BLADE_SETTINGS, tilt: float = 0.0
+    sides: Sides, machine: _Machine, *, blade: tuple[str, ...] = BLADE_SETTINGS, tilt: float = 0.0
 ) -> dict[FlankName, Synthesis]:
     from scipy.optimize import least_squares
 
-    fit = set_up_residual(sides, machine.shared, machine.blank, own)
+    fit = set_up_residual(sides, machine.shared, machine.blank, blade)
     bounds, start = np.zeros((fit.size, 2)), np.zeros(fit.size)
     for k, part in enumerate(fit.parts):
         for place, name, origin, scale in zip(fit.columns(k), part.free, part.origin, part.scale, strict=True):

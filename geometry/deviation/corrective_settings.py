@@ -402,7 +402,7 @@ class SetUpFit:
 
     @property
     def determined(self) -> Bools:
-        """Which combinations the flanks tell (m)."""
+        """True for the combinations (m) that the flanks tell."""
         return np.asarray(self.effects[0] >= EFFECT_LIMIT)
 
     def needed(self, target: Array) -> Bools:

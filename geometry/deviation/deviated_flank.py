@@ -4,14 +4,11 @@ A point of the designed flank moves along its normal by the deviation. The norma
 with the tangents **r**_k, the deviation d and its derivatives d_k, the new normal is along **n** - **w**, where **w**
 lies in the tangent plane and **w** . (**r**_k + d **n**_k) = d_k. That is exact, not to first order.
 
-A flank cut anew with other settings, and how far it departs from the designed one at measuring points.
-
-The ease-off of deviated flanks as an update of the designed one (Kolivand 2009, chapter 4, Eq. 4.5a corrected).
-
-A deviation d along the normal moves the point where the flank meets a circle about the member's axis by the angle
-d / ((a x r) . n), the lever arm in the denominator. Kolivand 2009, Eq. 4.5a prints the product (u . n) d / L instead,
-with u the circumferential direction and L the distance from the axis, which is low by (u . n)^2. With the condition
-of conjugate contact, R (a_p x r) . n = (a_g x r) . n, the normal gap changes by just the sum of both deviations.
+The ease-off is updated from that of the designed flanks (Kolivand 2009, chapter 4, Eq. 4.5a corrected). A deviation d
+along the normal moves the point where the flank meets a circle about the member's axis by the angle d / ((a x r) . n),
+the lever arm in the denominator. Kolivand 2009, Eq. 4.5a prints the product (u . n) d / L instead, with u the
+circumferential direction and L the distance from the axis, which is low by (u . n)^2. With the condition of conjugate
+contact, R (a_p x r) . n = (a_g x r) . n, the normal gap changes by just the sum of both deviations.
 
 The roll angle of a point of the gear is where its gap is smallest. At a fixed point of the gear the gap of the designed
 flanks is a + (1/2) c (q - Q)^2. What the pinion shows to that point moves on with q, so its deviation takes off

@@ -2,14 +2,12 @@
 
 A deviation is measured along the outward normal of the designed flank and is **positive where there is more metal**.
 
-Deviations between the nodes of a measuring grid: a spline, a smoothed spline, and a weighted average.
+Between the nodes of a measuring grid it is a spline, a smoothed spline, or a weighted average. All are functions of the
+axial and radial coordinate of a flank point that can be differentiated by complex step. No coordinates of the flank
+itself are interpolated, its deviations alone.
 
-Both are functions of the axial and radial coordinate of a flank point, analytic in the sense that they can be
-differentiated by complex step. No coordinates of the flank itself are interpolated, its deviations alone.
-
-Distance of a flank from points along given normals: what a deviation is, whatever its size.
-
-Deviations as a measuring machine states them: zero at the reference point in the middle of the flank.
+Of two surfaces it is the distance along given normals, whatever its size. A measuring machine states it as zero at the
+reference point in the middle of the flank.
 """
 
 from __future__ import annotations

@@ -1,15 +1,13 @@
 """A tooth flank on a set of nodes: positions and normals at given axial and radial coordinates, each with a status.
 
-Flanks cut by several sections of a blade: each cuts a surface of its own, and the deepest cut remains.
+Several sections of a blade cut a surface of its own each, and the deepest cut remains. At every node each section's
+surface is solved on its own. Those whose touched point lies within the section's ends are candidates. Where sections
+join without a kink exactly one is; at a kink, where the blade protrudes on both sides, both or neither may be, and the
+one that has removed more metal decides. Where the section in question cuts no point there is no flank: the others do
+not reach beyond their ends.
 
-At every node each section's surface is solved on its own. Those whose touched point lies within the section's ends are
-candidates. Where sections join without a kink exactly one is; at a kink, where the blade protrudes on both sides, both
-or neither may be, and the one that has removed more metal decides. Where the section in question cuts no point there is
-no flank: the others do not reach beyond their ends.
-
-First guesses of the surface parameters of a flank: its mean point, and a lattice of seeds about it.
-
-Principal curvatures of a generated flank, by fundamental forms.
+The search begins at the mean point of the flank and a lattice of seeds about it; principal curvatures follow by
+fundamental forms.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """Surface patches as a STEP file: B-spline faces through every point, sewn along their common borders.
 
-Surface patches of a tooth: structured grids of points, checked and turned so that all of them look outwards.
-
-A patch is an array (m, n, 3) [mm]. Neighbouring patches share the points of their common border. The derivative along
-the first index times the derivative along the second one is the patch's normal.
+Patches are checked and turned so that all of them look outwards. A patch is an array (m, n, 3) [mm]. Neighbouring
+patches share the points of their common border. The derivative along the first index times the derivative along the
+second one is the patch's normal.
 """
 
 from __future__ import annotations

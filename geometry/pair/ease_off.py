@@ -5,10 +5,8 @@ the two then differ by a rotation about the gear axis alone. That rotation is th
 rotation that makes the conjugate point is the roll angle (Kolivand 2009, sections 2.5 and 4.2). No first-order
 shortcut is taken.
 
-Sliding of the flanks, and speed of the contact line across either flank.
-
-All velocities are by the pinion rotation [mm/rad], at points in conjugate contact. Times the pinion's angular velocity
-they are velocities in space.
+Sliding of the flanks, and speed of the contact line across either flank, are velocities by the pinion rotation
+[mm/rad], at points in conjugate contact. Times the pinion's angular velocity they are velocities in space.
 """
 
 from __future__ import annotations

@@ -7,12 +7,10 @@ truncation with the fourth power of a longer one. A setting may move conjugate c
 powers of the roll do on coast flanks; its step is shortened until both stay near 1e-8 of a derivative, and near 1e-7 of
 that of the separation skew. The ease-off's own derivative has a closed form, too: that of the gap.
 
-Derivative of the gap at fixed points of the gear flank: the normal motion of the flanks, in closed form.
-
-Where a setting moves a flank along its normal, the gap closes or opens by as much; over the moment of the normal about
-the gear axis that is a gear angle. By the envelope theorem it is the derivative of the ease-off as well, where the
-pinion's rotation is that of conjugate contact, and of the unloaded transmission error, where the point is that of the
-smallest gap: to first order neither moves.
+That is the normal motion of the flanks. Where a setting moves a flank along its normal, the gap closes or opens by as
+much; over the moment of the normal about the gear axis that is a gear angle. By the envelope theorem it is the
+derivative of the ease-off as well, where the pinion's rotation is that of conjugate contact, and of the unloaded
+transmission error, where the point is that of the smallest gap: to first order neither moves.
 """
 
 from __future__ import annotations

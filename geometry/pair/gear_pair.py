@@ -456,8 +456,8 @@ def ease_off(pair: GearPair, nodes: tuple[int, int] = DEFAULT_NODES) -> xr.Datas
     Examples
     --------
     >>> from easeoff.cases import gear_pair, read_case
-    >>> found = ease_off(gear_pair(read_case("nasa-12x36")), (9, 7))
-    >>> found["ease_off"].attrs["units"]
+    >>> dataset = ease_off(gear_pair(read_case("nasa-12x36")), (9, 7))
+    >>> dataset["ease_off"].attrs["units"]
     'um'
     """
     instance("pair", pair, GearPair)

@@ -4,7 +4,7 @@ Which points of the flanks stand at a node follows from the conditions that Newt
 implicitly they tell how fast the surface parameters change with the setting. Along the straight path of this rate all
 fields have the same first derivative as on the solutions themselves, and nothing has to be solved anew.
 
-What can be set or go wrong of a pair, one number at a time: settings, assembly errors, deviations of the flanks.
+A setting is any number of the pair: of machine or cutter, an assembly error, a deviation of the flanks.
 """
 
 from __future__ import annotations

@@ -3,12 +3,11 @@
 Most settings leave it as it is: the other flank of a tooth stands where the thickness puts it. Where a gear is cut from
 one set-up its cutter leaves the tooth, and the pinion's is as thick as the slot is wide.
 
-Backlash of a pair: how far the gear can turn between contact on the drive side and contact on the coast side.
+The backlash is the rotation of the gear between contact on the drive side and contact on the coast side. Both sides
+have their ease-off in the position in which the machines cut the flanks. Its least value is where the flanks first
+touch; the thickness of the teeth turns the flanks of the other side.
 
-Both sides have their ease-off in the position in which the machines cut the flanks. Its least value is where the flanks
-first touch; the thickness of the teeth turns the flanks of the other side.
-
-The mates of the tips: where the tip of a member's tooth runs along no flank of the other member.
+Tips of either member that run along no flank of the other have no mate there.
 """
 
 from __future__ import annotations

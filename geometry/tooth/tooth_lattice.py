@@ -14,12 +14,6 @@ between the root and a line at an even depth below it:
 Beyond toe and heel the body runs on a little, as blanks do: one that ended flush with the tooth would be much too soft
 there. The neighbouring teeth are left out: the body that all share is another lattice, of one pitch, from mid slot to
 mid slot (``LatticeSize(beside=0)``). Every brick has 27 nodes.
-
-The lattice of bricks in a tooth and its body, and the numbering of its nodes.
-
-Spacing of the bricks of a tooth's lattice: along the face, up the flank and through the tooth.
-
-The gear body under one tooth and beyond its ends, in the sections of the tooth's lattice.
 """
 
 from __future__ import annotations
@@ -100,7 +94,7 @@ class ToothLattice:
         Nodes (2 l + 1, 2 t + 1, 2 (d + u) + 1) of the tooth and the body under it.
     root_row
         Third index in ``column`` where the tooth begins.
-    held
+    fixed_nodes
         Nodes at the bottom and at both sides of the body.
     flank_normal
         Unit normals (2 l + 1, 2 u + 1, 3) of the loaded side at the nodes ``flank``, outwards.
@@ -133,7 +127,7 @@ class ToothLattice:
     cells: Integers
     column: Integers
     root_row: int
-    held: Integers
+    fixed_nodes: Integers
     flank_normal: Array
     lengthwise: Array
     profile: Array

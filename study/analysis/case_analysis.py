@@ -33,7 +33,7 @@ from ...geometry.pair.modification import Modification
 from ...geometry.tooth.tooth_flanks import MemberName
 from ..case_in_mesh import CaseInMesh, FlanksInMesh, checked_case
 from ..deviations import Deviated, Source
-from ..progress import shows_progress, told
+from ..progress import callback, shows_progress
 from .contact_analysis import OVER_TORQUE, Analysis, contact_analysis, joined_analysis
 from .operating import Friction, FrictionConditions, Operating, analysis_size
 
@@ -254,6 +254,6 @@ def analyze(
     state = CaseInMesh.meshed(case, flanks, stage)
     if stage is not None:
         stage("loaded contact")
-    report = told(progress)
+    report = callback(progress)
     analysis = contact_analysis(state, load, **operating.contact, progress=report, **options)
     return with_friction(analysis, friction, solver, report, stage).tree

@@ -1,8 +1,7 @@
 """Contact analysis of a case, in one assembly or, where the misalignment depends on the torque, in several.
 
-An analysis as labelled groups, and analyses of several assemblies joined along the torque into one.
-
-Loaded contact of a case on its supports, by the assemblies that are found under load.
+It has labelled groups; analyses of several assemblies, such as those that supports take under load, are joined along
+the torque into one.
 """
 
 from __future__ import annotations
@@ -332,7 +331,7 @@ def _part_over_torque(loaded: xr.Dataset, cases: list[LoadedCase], part: slice) 
 
 
 def _not_ended(part: LoadedPart) -> str:
-    """Why rounds of a part did not end; empty if they did."""
+    """Reason why rounds of a part did not end; empty if they did."""
     return str(part.groups["supports"].attrs.get("rounds_not_ended", "")) if part.groups else ""
 
 
@@ -378,7 +377,7 @@ def _same_assembly(state: CaseInMesh, other: CaseInMesh) -> bool:
 
 
 def _sharp_roots(state: CaseInMesh) -> list[str]:
-    """Why teeth by finite elements have no root stress; empty if both have it."""
+    """Reasons why teeth by finite elements have no root stress; empty if both have it."""
     return [tooth.no_root for tooth in state.teeth or () if tooth.root is None]
 
 

@@ -1,8 +1,6 @@
 """Key numbers of a result: what an engineer looks for first, as one labelled dataset.
 
-Departures of a result's flanks from the designed ones, as text, from the attributes of its root.
-
-Elastic model of a result, as text, from the attributes of its root.
+From the attributes of the root come two texts: departures of the flanks from the designed ones, and the elastic model.
 """
 
 from __future__ import annotations

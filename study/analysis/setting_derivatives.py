@@ -1,13 +1,9 @@
 """Derivatives of an analysis by machine and cutter settings, assembly errors, deviations and torque.
 
-Settings by which an analysis can be differentiated, under the names that sweeps have for them.
-
-Solved contact of a pair in mesh: the values of its analysis, and their derivatives when they are asked for.
-
-Derivatives of power loss and efficiency: differences of the friction stage along the directions of its inputs.
-
-Forces, lengths, radii and places of the loaded segments, points of action and axes have derivatives. Friction follows
-from them in closed form: a contact's losses once ahead and once behind for every setting, and nothing is solved.
+The settings bear the names that sweeps have for them. A pair is solved in mesh as in its analysis; derivatives are made
+when they are asked for. Forces, lengths, radii and places of the loaded segments, points of action and axes have
+derivatives. Friction follows from these inputs in closed form: a contact's losses once ahead and once behind for every
+setting, and nothing is solved.
 """
 
 from __future__ import annotations
@@ -373,7 +369,7 @@ def _contacts(cycle: MeshCycle, loaded: xr.Dataset) -> LoadedContacts:
 class _FrictionInputs:
     """Inputs of friction from a mesh cycle, with their derivatives by the settings, and last by the torque (j)."""
 
-    found: CycleSlopes
+    slopes: CycleSlopes
     contacts: LoadedContacts
     point: Array  # (2, n), as fractions of the gear flank
     force: Array  # derivatives (n, j) of forces [N]
@@ -382,22 +378,21 @@ class _FrictionInputs:
     place: Array
 
     @classmethod
-    def of(cls, found: CycleSlopes, loaded: xr.Dataset) -> _FrictionInputs:
+    def of(cls, slopes: CycleSlopes, loaded: xr.Dataset) -> _FrictionInputs:
         """Of solved cases and their dataset."""
         parts = []
-        for one in sorted(found.cases, key=lambda each: (each.case.torque, each.case.mesh_position)):
+        for one in sorted(slopes.cases, key=lambda each: (each.case.torque, each.case.mesh_position)):
             segments = one.case.solution.force > 0.0
             known = one.force[segments], one.length[segments], one.equivalent_radius[segments], one.place[:, segments]
             parts.append((one.case.segments.point[:, segments], *known))
         point, *by_segment, place = zip(*parts, strict=True)
         force, length, radius = (np.concatenate(each) for each in by_segment)
-        contacts = _contacts(found.cycle, loaded)
-        return cls(found, contacts, np.concatenate(point, axis=1), force, length, radius, np.concatenate(place, axis=1))
+        return cls(slopes, _contacts(slopes.cycle, loaded), np.hstack(point), force, length, radius, np.hstack(place))
 
     @property
     def steps(self) -> Array:
         """Steps (j) that change no input by more than ``STEP``, and no small force by much of it."""
-        contacts, nodes = self.contacts, self.found.nodes
+        contacts, nodes = self.contacts, self.slopes.nodes
         sizes = [
             np.abs(self.force).max(axis=0) / contacts.force.max(),
             np.abs(self.length * 1e-3 / contacts.length[:, None]).max(axis=0),
@@ -413,12 +408,12 @@ class _FrictionInputs:
         """The contacts after a step of one setting."""
         from ...friction.loaded_contacts import action_splines, axes_of, surface_velocities
 
-        contacts, geometry = self.contacts, self.found.cycle.geometry
+        contacts, geometry = self.contacts, self.slopes.cycle.geometry
         ease_off, torque = geometry.ease_off, contacts.torque
-        if setting < len(self.found.settings):
-            one = self.found.settings[setting]
+        if setting < len(self.slopes.settings):
+            one = self.slopes.settings[setting]
             names = ("action_position", "action_normal", "roll_angle")
-            changes = {name: step * self.found.nodes[name][..., setting] for name in names}
+            changes = {name: step * self.slopes.nodes[name][..., setting] for name in names}
             ease_off = ease_off.transpose("lengthwise", "profile", ...)
             moved_points = {name: ease_off[name].copy(data=ease_off[name].values + c) for name, c in changes.items()}
             ease_off = ease_off.assign(moved_points)

@@ -152,7 +152,7 @@ def _swept(texts: tuple[str, ...]) -> dict[str, str]:
 
 @reader
 def _kept(texts: tuple[str, ...]) -> list[tuple[str, str, int]]:
-    """Which points to keep whole: worst or least, the name of the number, and how many."""
+    """Points to keep whole: worst or least, the name of the number, and their count."""
     choices = []
     for text in texts:
         parts = KEEP.fullmatch(text.strip())

@@ -1,11 +1,4 @@
-"""Commands that list, design and convert cases.
-
-Command that writes commented templates of input files.
-
-Command that makes a lubricant's file from a data sheet.
-
-Command that writes the summary sheet of a case.
-"""
+"""Commands that list, design and convert cases, and write templates, summary sheets and files of lubricants."""
 
 from __future__ import annotations
 

@@ -201,11 +201,11 @@ def verify(case: str, flank: Any, supports: str | None, output: Path | None, **o
             bar.set_postfix_str(name)
             bar.update(done - bar.n)
 
-        def told(row: VerificationRow) -> None:
+        def echo_row(row: VerificationRow) -> None:
             bar.clear()
             echo(row_lines(row))
 
-        verification = run_verification(checked, flank=flank, progress=progress, on_row=told, **options)
+        verification = run_verification(checked, flank=flank, progress=progress, on_row=echo_row, **options)
     if verification.passed:
         echo("\nevery comparison that applies is within its limit")
     else:

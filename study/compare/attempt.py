@@ -1,21 +1,17 @@
 """Attempt of a solver at a problem: its claim, its certificate and its times.
 
-This runs in a process of its own.
-
-Method of a comparison: a solver with settings, a start and, in a sweep, a tolerance.
-
-Posed problem: a contact problem of a comparison with its number in a file, its digest and its reference.
+It runs in a process of its own. The method is a solver with settings, a start and, in a sweep, a tolerance; the problem
+has its number in a file, its digest and its reference.
 
 A solver that returns what it has kept from an earlier call shall neither be right nor be fast. So no call has the data
 of the one before: separations and torque are multiplied by a load factor, other for each call, and with them the forces
 and the rotation of the answer. Active set and conditioning stay as they are, and each answer is certified, and compared
 with the reference, on the data of its own call.
 
-Residual of an answer on the problem as its solver got it: what solvers compare with their own tolerance.
-
-The certificate judges the answer, this the solver. They differ: complementarity in the certificate is the largest of
-the smaller one of force and gap, and of n products F_i Y_i the sum is the duality gap, so that a gap of 1e-6 leaves
-complementarity of up to 1e-3.
+The residual is that of the answer on the problem as its solver got it, for its own tolerance. The certificate judges
+the answer, this the solver. They differ: complementarity in the certificate is the largest of the smaller one of force
+and gap, and of n products F_i Y_i the sum is the duality gap, so that a gap of 1e-6 leaves complementarity of up to
+1e-3.
 """
 
 from __future__ import annotations
@@ -273,10 +269,10 @@ class Attempt:
 def load_adapter(solver: str) -> Adapter | Solver | None:
     """Adapter of a solver by name, or the declaration of one's own (``module:function``); None for the native one."""
     chosen = chosen_solver(solver)
-    if chosen.own is None:
+    if chosen.declaration is None:
         return None if chosen.is_native else adapter_of(chosen.name)
     importlib.import_module("qpsolvers")  # slow imports are not to be timed
-    return chosen.own
+    return chosen.declaration
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,13 +1,11 @@
 """Method statistics: what each method of a comparison did on each problem, and the order of methods in tables.
 
-Profiles of run times: performance profile, data profile and pairwise profile.
+Run times make performance, data and pairwise profiles, a shifted geometric mean, and growth with the number of
+segments; who waited for the processor is told.
 
-Run-time statistics: shifted geometric mean, growth with the number of segments, and who waited for the processor.
-
-Work against precision: the time a solver needs for a certified accuracy, from a sweep of its tolerances.
-
-What a solver calls its tolerance is compared with quantities of its own. So the precision is read off the certificate,
-the same for all: for each accuracy, the time of the fastest of a solver's runs whose certificate reaches it.
+Work against precision is the time a solver needs for a certified accuracy, from a sweep of its tolerances. What a
+solver calls its tolerance is compared with quantities of its own. So the precision is read off the certificate, the
+same for all: for each accuracy, the time of the fastest of a solver's runs whose certificate reaches it.
 """
 
 from __future__ import annotations

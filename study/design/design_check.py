@@ -1,10 +1,8 @@
 """Check of a designed pair: residuals, undercut, blade tips, top lands and whole teeth, with warnings.
 
-Design advice: what in the basic data of a doubtful design to look at, a sentence each.
-
-Top lands, slots and fillets of a pair: by the formulas of AGMA 929-B22, and on the generated teeth.
-
-Warnings of a pair as its blanks and settings cut it: undercut, blade tips off the root, thin tips, narrow slots.
+Warnings are those of a pair as its blanks and settings cut it: undercut, blade tips off the root, thin tips, narrow
+slots. Top lands, slots and fillets are by the formulas of AGMA 929-B22, and on the generated teeth. Of a doubtful
+design a sentence each says what in its basic data to look at.
 """
 
 from __future__ import annotations

@@ -36,7 +36,7 @@ from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification, basis, terms
 from ..analysis.contact_analysis import case_torques, contact_analysis, in_assembly_under_load
 from ..case_in_mesh import CaseInMesh, checked_case
-from ..progress import shows_progress, told
+from ..progress import callback, shows_progress
 
 STAGES = ("before", "after")
 LARGEST_MODIFICATION_MINIMUM, LARGEST_MODIFICATION_LIMIT = 1e-4, 1000.0  # [um]
@@ -169,8 +169,8 @@ def modify(
             "torques or misalignments"
         )
     goal = _goal(start, chosen, load.size, names, transmission_error, end_load, largest)
-    full_contact = stacked([contact.held(none, cycles) for cycles, contact in contacts])
-    optimum = optimal_modification(solved, start, full_contact, goal, programmes=programmes, progress=told(progress))
+    full = stacked([contact.full_contact(none, cycles) for cycles, contact in contacts])
+    optimum = optimal_modification(solved, start, full, goal, programmes=programmes, progress=callback(progress))
     best = contacts[0][1].modification(optimum.coefficients)
     tree = contact_analysis(case_state.modified(best), load, edge_contact=False, solver=solver).tree
     least_loads = xr.Dataset({"least_line_load": ("torque", least)}, {"torque": load})

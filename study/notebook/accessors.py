@@ -106,10 +106,10 @@ class ResultSummary(ShownSummary):
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.analyze("nasa-12x36", torques=[100.0]).easeoff.summary()
-    >>> str(found).splitlines()[3]
+    >>> summary = easeoff.analyze("nasa-12x36", torques=[100.0]).easeoff.summary()
+    >>> str(summary).splitlines()[3]
     'pair          12 x 36, left-hand pinion, drive flanks'
-    >>> found.tables["loaded"]["peak_to_peak [urad]"].round().tolist()
+    >>> summary.tables["loaded"]["peak_to_peak [urad]"].round().tolist()
     [221.0]
     """
 
@@ -469,11 +469,11 @@ class SweepSummary(ShownSummary):
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
-    >>> print(str(found.easeoff.summary()).splitlines()[3])
+    >>> dataset = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
+    >>> print(str(dataset.easeoff.summary()).splitlines()[3])
     E             3 values from 0 to 0.04 mm
-    >>> points = found.easeoff.summary().tables["points"]
-    >>> points["peak_to_peak [urad]"].tolist() == found["peak_to_peak"].values.ravel().tolist()
+    >>> points = dataset.easeoff.summary().tables["points"]
+    >>> points["peak_to_peak [urad]"].tolist() == dataset["peak_to_peak"].values.ravel().tolist()
     True
     """
 
@@ -504,8 +504,8 @@ class SweepPlots(ShownPictures):
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
-    >>> found.easeoff.plot
+    >>> dataset = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
+    >>> dataset.easeoff.plot
     pictures of a sweep: curves, pattern
     """
 
@@ -530,7 +530,7 @@ class SweepPlots(ShownPictures):
 
 
 class SweepAccessor(ShownContent):
-    """Tables, summary and pictures of a sweep in a notebook: ``found.easeoff`` of every ``xarray.Dataset``.
+    """Tables, summary and pictures of a sweep in a notebook: ``dataset.easeoff`` of every ``xarray.Dataset``.
 
     Every method raises ``InputError`` if the dataset is none of ``sweep`` or ``study.sweep.read_sweep``.
 
@@ -556,7 +556,7 @@ class SweepAccessor(ShownContent):
 
     @property
     def plot(self) -> SweepPlots:
-        """Pictures: ``found.easeoff.plot.map(...)`` is ``easeoff.plot.sweep(found, "map", ...)``, and so on."""
+        """Pictures: ``dataset.easeoff.plot.map(...)`` is ``easeoff.plot.sweep(dataset, "map", ...)``, and so on."""
         return SweepPlots(self._sweep())
 
     def save(self, path: str | os.PathLike[str]) -> Path:

@@ -1,12 +1,8 @@
 """Charts over the mesh cycle: transmission error, load sharing, pressure and root stress.
 
-Transmission error chart: without load and at every torque, over two mesh cycles.
-
-Load share chart: share of the torque that each tooth pair carries, over two mesh cycles.
-
-Pressure chart: contact pressure on both flanks over the mesh cycle, a row a torque.
-
-Root stress chart: the greatest tensile stress in the fillets along the face and over the mesh cycle.
+The transmission error is drawn without load and at every torque, and the share of the torque that each tooth pair
+carries, both over two mesh cycles. The contact pressure on both flanks has a row a torque; the root stress is the
+greatest tensile one in the fillets along the face.
 """
 
 from __future__ import annotations

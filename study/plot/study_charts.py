@@ -355,12 +355,12 @@ VH_PARTS = ("places", "grid")
 
 
 @picture
-def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure | None:
+def vh_check(check: xr.Dataset, *, parts: str | Sequence[str] | None = None, axes: AxesChoice = None) -> Figure | None:
     """Marking prints of a V-H check at toe, middle and heel, and over the grid of V and H.
 
     Parameters
     ----------
-    found
+    check
         Of ``study.vh_check``.
     parts
         ``places`` and, if it was asked for, ``grid``; both if left out.
@@ -371,42 +371,42 @@ def vh_check(found: xr.Dataset, *, parts: str | Sequence[str] | None = None, axe
     Raises
     ------
     InputError
-        If ``found`` is no V-H check, a part is not known, or ``axes`` are not as many as the panels.
+        If ``check`` is no V-H check, a part is not known, or ``axes`` are not as many as the panels.
 
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.study.vh_check("fh-design-a")
-    >>> len(easeoff.plot.vh_check(found).axes)
+    >>> check = easeoff.study.vh_check("fh-design-a")
+    >>> len(easeoff.plot.vh_check(check).axes)
     3
     """
-    instance("found", found, xr.Dataset)
-    if "print_excess" not in found or "in_plane" not in found:
-        raise InputError("found: must be of 'easeoff vh' or study.vh_check")
-    names = chosen_parts(VH_PARTS if "v_grid" in found.sizes else VH_PARTS[:1], parts)
-    plane = found["in_plane"].values
-    count, columns = found.sizes["place"], found.sizes.get("v_grid", 0)
-    wanted = {"places": count, "grid": columns * found.sizes.get("h_grid", 0)}
+    instance("check", check, xr.Dataset)
+    if "print_excess" not in check or "in_plane" not in check:
+        raise InputError("check: must be of 'easeoff vh' or study.vh_check")
+    names = chosen_parts(VH_PARTS if "v_grid" in check.sizes else VH_PARTS[:1], parts)
+    plane = check["in_plane"].values
+    count, columns = check.sizes["place"], check.sizes.get("v_grid", 0)
+    wanted = {"places": count, "grid": columns * check.sizes.get("h_grid", 0)}
     if axes is not None:
         shape = (1, sum(wanted[name] for name in names))
-        given = panels(xr.DataTree(found), "V-H check", 0.0, "", shape, axes)
+        given = panels(xr.DataTree(check), "V-H check", 0.0, "", shape, axes)
         if "places" in names:
-            _draw_places(given.axes[:count], found, plane)
+            _draw_places(given.axes[:count], check, plane)
         if "grid" in names:
-            _draw_grid(given.axes[-wanted["grid"] :].reshape(-1, columns), found, plane)
+            _draw_grid(given.axes[-wanted["grid"] :].reshape(-1, columns), check, plane)
         return given.figure
     aspect = float(np.ptp(plane[1]) / np.ptp(plane[0]))
     heights = {"places": (WIDTH - 0.5) / 3 * aspect + 0.45}
     if columns:
-        heights["grid"] = found.sizes["h_grid"] * ((WIDTH - 0.7) / columns * aspect + 0.06) + 0.75
+        heights["grid"] = check.sizes["h_grid"] * ((WIDTH - 0.7) / columns * aspect + 0.06) + 0.75
     ratios = [heights[name] for name in names]
-    figure = page(xr.DataTree(found), "V-H check", sum(ratios), _small_print(found))
+    figure = page(xr.DataTree(check), "V-H check", sum(ratios), _small_print(check))
     subfigures: Any = figure.subfigures(len(names), 1, height_ratios=ratios, squeeze=False)[:, 0]
     for part, name in zip(subfigures, names, strict=True):
         if name == "places":
-            _draw_places(part.subplots(1, count), found, plane)
+            _draw_places(part.subplots(1, count), check, plane)
             continue
-        _draw_grid(part.subplots(found.sizes["h_grid"], columns, squeeze=False), found, plane)
+        _draw_grid(part.subplots(check.sizes["h_grid"], columns, squeeze=False), check, plane)
         part.supxlabel("V [mm]", fontsize=SMALL_SIZE + 0.5, color=INK)
         part.supylabel("H [mm]", fontsize=SMALL_SIZE + 0.5, color=INK)
         part.suptitle("prints over V and H", x=0.02, ha="left", fontsize=BODY_SIZE, color=INK, weight="bold")

@@ -111,10 +111,10 @@ def sweep(
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
-    >>> easeoff.plot.pictures(found)
+    >>> dataset = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
+    >>> easeoff.plot.pictures(dataset)
     ('sweep_curves', 'sweep_pattern')
-    >>> len(easeoff.plot.sweep(found, "curves", names="max_pressure").axes)
+    >>> len(easeoff.plot.sweep(dataset, "curves", names="max_pressure").axes)
     1
     """
     if not is_sweep(dataset):

@@ -1,8 +1,7 @@
-"""Topographies of measured flanks: deviations at the nodes of the grid as lines along the normal.
+"""Charts over a flank: topographies of measured ones, maps of what changes the ease-off, and the ease-off itself.
 
-Maps of what changes the ease-off of the gear flank: deviations, and a modification.
-
-Ease-off map: contour lines over the common flank, with the path of contact.
+A topography shows deviations at the nodes of the grid as lines along the normal; the ease-off has contour lines over
+the common flank, with the path of contact.
 """
 
 from __future__ import annotations
@@ -73,8 +72,8 @@ def topography(
     --------
     >>> import easeoff
     >>> case, measured = easeoff.read_case("fm-11x41"), {"gear": "fm-11x41-worn-gear"}
-    >>> found = easeoff.study.correct_case(case, measured, free=["machine_root_angle"])
-    >>> figure = easeoff.plot.topography(found.corrections["gear"][0])
+    >>> corrected = easeoff.study.correct_case(case, measured, free=["machine_root_angle"])
+    >>> figure = easeoff.plot.topography(corrected.corrections["gear"][0])
     >>> len(figure.axes)
     2
     """

@@ -1,10 +1,8 @@
 """Comparison figures, each as PNG, PDF and SVG.
 
-Style of the comparison's figures: a colour a solver, legends ordered by merit, plain logarithmic axes.
-
-Profile figures: performance profile, data profile, and pairs of solvers.
-
-Time figures: run time against the number of segments within each kind of problem, and work against precision.
+Profiles are performance and data profiles, and pairs of solvers; times are run time against the number of segments
+within each kind of problem, and work against precision. All have a colour a solver, legends ordered by merit, and plain
+logarithmic axes.
 """
 
 from __future__ import annotations

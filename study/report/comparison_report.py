@@ -1,10 +1,7 @@
 """Comparison report in Markdown: what each solver claimed and what held, run times, residuals, failures, versions.
 
-Report table: rows of texts, as Markdown for the report, as CSV and as LaTeX.
-
-Answer tables: what each solver claimed and what held, by kind of problem, residuals, and failures.
-
-Time tables: run time, its parts, starts, pairs of solvers, growth with size, work against precision.
+A table is rows of texts, as Markdown for the report, as CSV and as LaTeX. Those of answers go by kind of problem; those
+of times have run time and its parts, starts, pairs of solvers, growth with size, work against precision.
 """
 
 from __future__ import annotations
@@ -274,7 +271,7 @@ def time_parts(problems: Any, named: list[MethodName], sources: dict[MethodName,
 
 
 def time_sources(dataset: xr.Dataset, named: list[MethodName]) -> dict[MethodName, str]:
-    """Who measured set-up and solve time, by method."""
+    """Origin of the measured set-up and solve times, by method."""
     frame: Any = dataset.to_dataframe()
     return {
         method: ", ".join(source for source in dict.fromkeys(of_method(frame, method)["time_source"]) if source)
@@ -416,7 +413,7 @@ def work_precision_tables(dataset: xr.Dataset, named: list[MethodName]) -> list[
 
 
 def own_polish_note(named: list[MethodName]) -> str | None:
-    """Which solvers of a sweep polish their own answers at every tolerance; None if none does."""
+    """Note on solvers of a sweep that polish their own answers at every tolerance; None if none does."""
     polishing = [f"`{name}`" for name in dict.fromkeys(one[0] for one in named) if polishes_itself(name)]
     if not polishing:
         return None

@@ -187,7 +187,7 @@ def gear_raster(grid: Array, values: Array, view: ToothView, shape: tuple[int, i
 
 
 def on_lines(at_torque: xr.Dataset) -> tuple[Bools, Array]:
-    """Which segments (mesh_position, segment) of contact lines carry load, and the fractions (2, n) of those."""
+    """True for segments (mesh_position, segment) of contact lines under load, and the fractions (2, n) of those."""
     order = ("mesh_position", "segment")
     loaded = np.nan_to_num(ordered(at_torque, "pressure", *order)) > 0.0
     return loaded, np.stack([ordered(at_torque, name, *order)[loaded] for name in ("lengthwise", "profile")])

@@ -1,8 +1,7 @@
 """The report of one or several results as one HTML file that needs no network.
 
-What a report is made of: results, V-H checks, wear and load cases, told apart by what they hold.
-
-V-H check for the report: table, prints at toe, middle and heel, and those over the grid of V and H.
+It is made of results, V-H checks, wear and load cases, told apart by what they hold. A V-H check has a table and its
+prints at toe, middle and heel, and over the grid of V and H.
 """
 
 from __future__ import annotations
@@ -333,7 +332,7 @@ def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:
 
 
 def _analysed(tree: xr.DataTree) -> list[tuple[str, str]]:
-    """When and by which version a result was made, from its history."""
+    """Time and version of a result's analysis, from its history."""
     history = str(tree.attrs.get("history", "")).splitlines()
     if not history or not history[-1].strip():
         return []

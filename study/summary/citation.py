@@ -54,7 +54,7 @@ class PublishedWork:
 
 def _escaped(text: str) -> str:
     """Text in which TeX sees no command."""
-    text = re.sub(r"[\\~^]|[&%$#_{}]", lambda found: SPECIAL.get(found[0], "\\" + found[0]), text)
+    text = re.sub(r"[\\~^]|[&%$#_{}]", lambda match: SPECIAL.get(match[0], "\\" + match[0]), text)
     return re.sub(r"(\d)-(\d)", r"\1--\2", text)
 
 

@@ -88,7 +88,7 @@ def duty_lines(duty: xr.Dataset) -> str:
 
 
 def load_case_notes(tree: xr.DataTree) -> list[str]:
-    """Why load cases could not be analysed or certified, and the notes on each, with its name before them."""
+    """Reasons why load cases are not analysed or not certified, and the notes on each, with its name before them."""
     numbers = tree["load_cases"].to_dataset()
     notes = executed_settings(tree)
     for name, reason in zip(numbers["load_case"].values, numbers["reason"].values, strict=True):

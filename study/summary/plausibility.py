@@ -1,16 +1,10 @@
 """Plausibility of a result: notes on certified values that no gear has, most often from a mistaken setting.
 
-Share of the load on tooth edges: from which it is told, and beyond which the contact model is coarse.
-
-Greatest pressure at the end of a contact line, for run, show, report and notebook.
-
-Note on settings that were corrected for measured flanks, and so are those of one machine alone.
-
-Mesh positions where the greatest pressure stands out of its course, for run, show and pictures.
-
-Ranges of the friction models in words: which part of the power loss is beyond them, for run, show and pictures.
-
-Supports that hardly belong to the pair: of another pair, bearings within a face, taper rollers that pull.
+Told are the share of the load on tooth edges, with that beyond which the contact model is coarse; the greatest pressure
+at the end of a contact line, and mesh positions where it stands out of its course; parts of the power loss beyond the
+range of a friction model; settings that were corrected for measured flanks, and so are those of one machine alone; and
+supports that hardly belong to the pair: of another one, bearings within a face, taper rollers that pull. Commands,
+pictures, report and notebook take the words from here.
 """
 
 from __future__ import annotations

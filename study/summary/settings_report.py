@@ -452,7 +452,7 @@ def _proposals(record: xr.Dataset) -> list[str]:
 
 
 def _at_limit(record: xr.Dataset) -> Bools:
-    """Which settings (n) are at the end of their range."""
+    """True for the settings (n) at the end of their range."""
     low, value, high = (record[f"setting_{name}"].values for name in ("low", "value", "high"))
     return np.asarray(np.minimum(value - low, high - value) < LIMIT_SHARE * (high - low))
 

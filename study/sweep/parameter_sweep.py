@@ -30,7 +30,7 @@ from ..analysis.operating import FrictionConditions, Operating
 from ..analysis.swept_quantity import ASSEMBLY, Stage, swept_quantity
 from ..case_in_mesh import FlanksInMesh, case_attributes, deflection_attributes, misalignment_attributes, prepared_pair
 from ..deviations import Deviated, Source, deviation_attributes, flank_deviations
-from ..progress import shows_progress, told
+from ..progress import callback, shows_progress
 from .batch_analysis import Batch, BatchStore, Block, analyze_batch, assembly_errors
 from .engine import cluster_client, in_processes, in_this_process, on_cluster
 from .sweep_file import SWEEP_SCHEMA_VERSION, PointStatus
@@ -139,15 +139,15 @@ def sweep(
     >>> from easeoff.cases import read_case
     >>> case = read_case("nasa-12x36")
     >>> case = case.model_copy(update={"contact": case.contact.model_copy(update={"mesh_positions": 3})})
-    >>> found = sweep(case, {"E": [-0.05, 0.05], "torque": "100,200"}, workers=1)
-    >>> found["peak_to_peak"].dims, found["status"].values.tolist()
+    >>> dataset = sweep(case, {"E": [-0.05, 0.05], "torque": "100,200"}, workers=1)
+    >>> dataset["peak_to_peak"].dims, dataset["status"].values.tolist()
     (('E', 'torque'), [[0, 0], [0, 0]])
     """
     flanks = FlanksInMesh(flank, misalignment, deviations, deviated, interpolation, modification)
     friction = FrictionConditions(speed, temperature, roughness, oil, friction_model, friction_feedback)
     operating = Operating(flanks, torques, edge_contact, marking, solver, friction)
     plan = planned_sweep(case, over, operating, load_cases=load_cases, samples=samples, seed=seed, sampler=sampler)
-    return run_plan(plan, workers=workers, scheduler=scheduler, store=store, fresh=fresh, progress=told(progress))
+    return run_plan(plan, workers=workers, scheduler=scheduler, store=store, fresh=fresh, progress=callback(progress))
 
 
 def run_plan(

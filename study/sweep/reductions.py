@@ -81,9 +81,9 @@ def percentiles(
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
-    >>> middle = percentiles(found, [50.0], ["peak_to_peak"])["peak_to_peak"]
-    >>> bool(middle.item() == found["peak_to_peak"].sel(E=0.02).item())
+    >>> dataset = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
+    >>> middle = percentiles(dataset, [50.0], ["peak_to_peak"])["peak_to_peak"]
+    >>> bool(middle.item() == dataset["peak_to_peak"].sel(E=0.02).item())
     True
     """
     wanted = array("percent", percent, ndim=1, least=0.0, most=100.0)
@@ -140,9 +140,9 @@ def sensitivities(dataset: xr.Dataset, name: str) -> xr.Dataset:
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
-    >>> values = found["peak_to_peak"].values
-    >>> bool(abs(sensitivities(found, "peak_to_peak")["effect"] - (values[2] - values[0]) / 2).item() < 1e-9)
+    >>> dataset = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
+    >>> values = dataset["peak_to_peak"].values
+    >>> bool(abs(sensitivities(dataset, "peak_to_peak")["effect"] - (values[2] - values[0]) / 2).item() < 1e-9)
     True
     """
     one_of("name", name, numbers(dataset))
@@ -241,9 +241,9 @@ def worst_points(dataset: xr.Dataset, name: str, count: int = 3, *, least: bool 
     Examples
     --------
     >>> import easeoff
-    >>> found = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
-    >>> worst = int(found["peak_to_peak"].values.argmax())
-    >>> bool(worst_points(found, "peak_to_peak", 1)["E"].item() == found["E"].values[worst])
+    >>> dataset = easeoff.sweep("nasa-12x36", {"E": [0.0, 0.02, 0.04]}, torques=[100.0])
+    >>> worst = int(dataset["peak_to_peak"].values.argmax())
+    >>> bool(worst_points(dataset, "peak_to_peak", 1)["E"].item() == dataset["E"].values[worst])
     True
     """
     one_of("name", name, numbers(dataset))

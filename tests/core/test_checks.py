@@ -195,7 +195,7 @@ LUBRICATED = ehl.LubricatedContact(1e9, 0.02, 5.0, ehl.Oil(0.02, 1.1e-8), slide_
         (lambda wrong: percentiles(wrong, [50.0], ["peak_to_peak"]), "dataset"),
         (lambda wrong: easeoff.write_result(wrong, "mine.nc"), "tree"),
         (lambda wrong: easeoff.plot.wear(wrong), "history"),
-        (lambda wrong: easeoff.plot.vh_check(wrong), "found"),
+        (lambda wrong: easeoff.plot.vh_check(wrong), "check"),
         (lambda wrong: study.SweepSummary(wrong), "dataset"),
         (lambda wrong: study.compare.write_comparison(wrong, "mine"), "dataset"),
         (lambda wrong: study.contact_derivatives(wrong), "state"),

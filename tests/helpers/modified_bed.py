@@ -46,18 +46,18 @@ class Bed:
             separation, self.lever_arm[position], float(self.torques[torque]), self.compliance[position]
         )
 
-    def held(self, coefficients: Array) -> LoadResponse:
+    def full_contact(self, coefficients: Array) -> LoadResponse:
         """All segments held in contact."""
-        return self.solved(coefficients, held=True)
+        return self.solved(coefficients, pull=True)
 
-    def solved(self, coefficients: Array, *, held: bool = False) -> LoadResponse:
+    def solved(self, coefficients: Array, *, pull: bool = False) -> LoadResponse:
         parts = []
         ends = np.zeros(self.length.size, dtype=bool)
         ends[[0, -1]] = True
         for k in range(len(self.separation)):
             for t in range(self.torques.size):
                 problem = self.problem(t, k, coefficients)
-                if held:
+                if pull:
                     force, rotation = held_in_contact(
                         DenseCompliance(self.compliance[k]), problem.separation, problem.lever_arm, problem.torque
                     )
@@ -78,7 +78,7 @@ class Bed:
                         curvature=self.curvature,
                         at_end=ends,
                         cycle=t,
-                        held=held,
+                        pull=pull,
                     )
                 )
         return stacked(parts)

@@ -31,13 +31,13 @@ class ToothedSector:
     pitch: ToothLattice
     nodes: Array
     cells: NDArray[np.int64]
-    held: NDArray[np.int64]
+    fixed_nodes: NDArray[np.int64]
     numbers: NDArray[np.int64]  # of the pitch's nodes in the whole (t, n)
     angles: Array  # about the member's axis (t) [rad]
 
     def body(self, material: Material) -> Substructures:
         """The whole, factored."""
-        return elastic_body(self.nodes, self.cells, self.held, material)
+        return elastic_body(self.nodes, self.cells, self.fixed_nodes, material)
 
     def turned(self, functionals: csc_array, tooth: int) -> csc_array:
         """Functionals (3 n, m) of one pitch on a tooth of the whole."""

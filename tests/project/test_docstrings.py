@@ -34,7 +34,6 @@ from easeoff.study.case_in_mesh import CaseInMesh
 MODULES = ["easeoff", *(found.name for found in pkgutil.walk_packages(easeoff.__path__, "easeoff."))]
 #: Those whose examples take more than a second: they design, search, verify, or start other programs.
 SLOW = (
-    "easeoff.study.compare",
     "easeoff.study.compare.comparison",
     "easeoff.study.design.case_design",
     "easeoff.study.design.optimization.setting_optimization",

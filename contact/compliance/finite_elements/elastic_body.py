@@ -1,13 +1,11 @@
 """Finite elements of a tooth on its body, factored once for the response to any loads.
 
-Quadratic bricks: shape functions, and the stiffness of all bricks at once.
+The elements are quadratic bricks. The stiffness of an isotropic brick needs one sum over the Gauss points only, H = sum
+of w (grad N)(grad N)^T; both Lame terms and the Laplacian are entries of H in another order. That makes the assembly
+one matrix product a brick.
 
-The stiffness of an isotropic brick needs one sum over the Gauss points only, H = sum of w (grad N)(grad N)^T; both
-Lame terms and the Laplacian are entries of H in another order. That makes the assembly one matrix product a brick.
-
-A body of bricks in substructures, each condensed to its border: direct solution by small full matrices.
-
-The bricks are halved again and again, each time where the halves share few nodes (nested dissection, A. George 1973,
+The solution is direct, in substructures that are condensed to their borders by small full matrices. The bricks are
+halved again and again, each time where the halves share few nodes (nested dissection, A. George 1973,
 doi:10.1137/0710032). Then the halves are joined: a node that no other brick has is eliminated by Cholesky's method, and
 what remains is the stiffness of the larger piece against its border.
 """

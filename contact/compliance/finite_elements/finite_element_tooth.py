@@ -1,11 +1,10 @@
 """Teeth of a pair by finite elements or as solid shells, kept on disk.
 
-Rayleigh-Ritz model of the solid tooth on its body of bricks.
-
-As in the shell, Legendre polynomials along the face and up the tooth are the trial functions of a Rayleigh-Ritz system;
-but they stand for all three displacements, there are more of them through the thickness, and the strain energy is that
-of the solid tooth on its generated surfaces, fillets and slanted ends included. The sections slant against the tooth:
-a wave along it takes more functions through it than the parabola of a straight one.
+The solid shell is a Rayleigh-Ritz model of the solid tooth on its body of bricks. As in the shell, Legendre polynomials
+along the face and up the tooth are the trial functions; but they stand for all three displacements, there are more of
+them through the thickness, and the strain energy is that of the solid tooth on its generated surfaces, fillets and
+slanted ends included. The sections slant against the tooth: a wave along it takes more functions through it than the
+parabola of a straight one.
 
 The body below is quadratic bricks, whose nodes on the joint follow the polynomials: no springs stand between. It is a
 Ritz system of both, too stiff by what its functions cannot follow; each function more makes it softer.
@@ -167,7 +166,7 @@ def tooth_stiffness(shape: Array, counts: Counts, material: Material) -> Array:
 def body_stiffness(lattice: ToothLattice, joint: Integers, functions: Array, material: Material) -> Array:
     """Stiffness (3 r, 3 r) of the body alone against displacements of its joint with the tooth, as functions (n, r)."""
     cells = lattice.cells[: lattice.body_bricks]
-    body = substructures(cells, *brick_stiffness(lattice.nodes, cells, material), lattice.held, joint)
+    body = substructures(cells, *brick_stiffness(lattice.nodes, cells, material), lattice.fixed_nodes, joint)
     motions = np.kron(functions, np.eye(3))
     result = motions.T @ body.stiffness @ motions
     return np.asarray(0.5 * (result + result.T))
@@ -234,7 +233,7 @@ def finite_element_tooth(
 
 
 def _sharp_root(pair: GearPair, member: MemberName) -> str:
-    """Why the root of the loaded side has no stress to compute; empty if it has a fillet."""
+    """Reason why the root of the loaded side has no stress to compute; empty if it has a fillet."""
     surface = named_member(pair, member).loaded
     if surface.blade.edge_radius > 0.0:
         return ""
@@ -357,7 +356,7 @@ def _condensed(lattice: ToothLattice, material: Material, member: str, fineness:
     needed = FACTOR_SIZE * len(lattice.nodes) ** FACTOR_EXPONENT
     require_memory(f"fineness = {fineness:g}", needed, f"the {member} by finite elements")
     with filling(member):
-        body = elastic_body(lattice.nodes, lattice.cells, lattice.held, material)
+        body = elastic_body(lattice.nodes, lattice.cells, lattice.fixed_nodes, material)
     feet, (stresses, station) = foot_displacements(lattice), stress_functionals(lattice, material)
     response = body.response(flank_loads(lattice), hstack([feet, stresses], format="csc"))
     count = feet.shape[1]

@@ -7,10 +7,9 @@ on the flank are shared among its nodes by the shape functions; a deflection of 
 interpolated. By reciprocity the kernel is symmetric but for the last millimetres around a load; its symmetric part is
 taken, with the eigenvalues that rounding and mesh leave below zero put to zero.
 
-Stress in the root of the loaded side under unit forces on the flank.
-
-Stresses of quadratic bricks are most exact at the 2 x 2 x 2 Gauss points. They are read at the four points of each
-surface face that lie above these points, carried on to the surface along the line through both points beneath.
+The same forces stress the root of the loaded side. Stresses of quadratic bricks are most exact at the 2 x 2 x 2 Gauss
+points. They are read at the four points of each surface face that lie above these points, carried on to the surface
+along the line through both points beneath.
 """
 
 from __future__ import annotations

@@ -4,12 +4,10 @@ Every pitch of the body is the same as the next, turned. A load on one tooth is 
 wave needs one pitch alone, whose sides move alike but for the turn and the phase of the wave. The pitch is condensed
 to its sides once; each wave is then a small dense system.
 
-Neighbouring teeth of a member coupled by its body, in a few modes of the loaded flank.
-
-A tooth is condensed on a sector of its own. What the whole body changes is smooth on the flank: the displacement of a
-tooth under loads on another, and the change of its own from its sector to the body closed round the member. A coarse
-lattice and a dozen modes are enough for both. Loads and displacements are those of the flank itself: the indentation
-under a load is none of the neighbours'.
+The body couples neighbouring teeth in a few modes of the loaded flank. A tooth is condensed on a sector of its own.
+What the whole body changes is smooth on the flank: the displacement of a tooth under loads on another, and the change
+of its own from its sector to the body closed round the member. A coarse lattice and a dozen modes are enough for both.
+Loads and displacements are those of the flank itself: the indentation under a load is none of the neighbours'.
 """
 
 from __future__ import annotations

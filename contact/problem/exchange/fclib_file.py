@@ -19,10 +19,9 @@ kept besides in a group ``easeoff`` of our own, which FCLib does not read.
 V. Acary, M. Bremond, T. Koziara, F. Perignon, FCLIB: a collection of discrete 3D frictional contact problems, INRIA
 RT-444 (2014), https://inria.hal.science/hal-00945820.
 
-Reference solutions in a file of contact problems: forces, gaps and rotation of each problem beside its data.
-
-Variables: ``reference_force`` [N] and ``reference_gap`` [mm] (problem, segment), ``reference_rotation`` [rad] and
-``reference_elastic_rotation`` [rad], the rotation beyond first contact (problem). NaN where there is no answer.
+Beside the data of contact problems a file may hold reference solutions: ``reference_force`` [N] and ``reference_gap``
+[mm] (problem, segment), ``reference_rotation`` [rad] and ``reference_elastic_rotation`` [rad], the rotation beyond
+first contact (problem). NaN where there is no answer.
 """
 
 from __future__ import annotations

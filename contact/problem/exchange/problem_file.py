@@ -22,17 +22,16 @@ variables (problem). To read problem i with xarray and numpy alone:
         V = ds["compliance_factor"][i, :n, : int(ds["mode_count"][i])].values
         C = numpy.diag(ds["compliance_diagonal"][i, :n].values) + V @ V.T
 
-Checksum of a contact problem: of its numbers, whatever file, compression or padding holds them.
+The checksum of a problem is that of its numbers, whatever file, compression or padding holds them.
 
-Arrays of a file of contact problems, also of an incomplete file from another program.
+A file from another program may be incomplete. Entries that follow from the numbers may be missing: without ``size`` a
+problem ends where its separations do, without ``structured`` the form is that of the compliance that is there, without
+``mode_count`` the factor ends where its numbers do. Dimensions may come in another order or have other names; a file
+with a single problem need not have that of the problem. Where nothing was written a number may be NaN, the variable's
+``_FillValue`` or netCDF's own. Units may be left out or be spelt otherwise, but other units are refused, not guessed
+at.
 
-Entries that follow from the numbers may be missing: without ``size`` a problem ends where its separations do, without
-``structured`` the form is that of the compliance that is there, without ``mode_count`` the factor ends where its
-numbers do. Dimensions may come in another order or have other names; a file with a single problem need not have that of
-the problem. Where nothing was written a number may be NaN, the variable's ``_FillValue`` or netCDF's own. Units may be
-left out or be spelt otherwise, but other units are refused, not guessed at.
-
-Contact problems of a file with what the file says of each: labels and reference solutions.
+With its problems come their labels and reference solutions.
 """
 
 from __future__ import annotations

@@ -3,14 +3,13 @@
 ``nc`` and ``mat`` hold many problems in one file. Of ``npz``, ``qps`` and ``hdf5`` each file holds one problem: several
 make a folder with a file for each. ``mps`` is ``qps`` by another name, the only one by which HiGHS reads it.
 
-Contact problems as a MATLAB file (version 5), read by ``load`` in MATLAB and Octave and by ``matread`` in Julia.
-
-The file has one variable, ``problem``, a struct array with one element a problem. Its fields bear the names of the
-netCDF file: ``separation`` and ``lever_arm`` (n, 1) [mm], ``torque`` [N mm], ``compliance`` (n, n) [mm/N] of a dense
-problem, ``compliance_diagonal`` (n, 1) and ``compliance_factor`` (n, k) of a structured one, the labels, and of the
-reference solution ``reference_force`` [N], ``reference_gap`` [mm] (n, 1), ``reference_rotation`` and
-``reference_elastic_rotation`` [rad]. Vectors are columns, nothing is padded, and what a problem lacks is empty. Indices
-are as in netCDF: row i of V belongs to segment i, whatever the order in memory.
+A MATLAB file (version 5) is read by ``load`` in MATLAB and Octave and by ``matread`` in Julia. It has one variable,
+``problem``, a struct array with one element a problem. Its fields bear the names of the netCDF file: ``separation`` and
+``lever_arm`` (n, 1) [mm], ``torque`` [N mm], ``compliance`` (n, n) [mm/N] of a dense problem, ``compliance_diagonal``
+(n, 1) and ``compliance_factor`` (n, k) of a structured one, the labels, and of the reference solution
+``reference_force`` [N], ``reference_gap`` [mm] (n, 1), ``reference_rotation`` and ``reference_elastic_rotation`` [rad].
+Vectors are columns, nothing is padded, and what a problem lacks is empty. Indices are as in netCDF: row i of V belongs
+to segment i, whatever the order in memory.
 """
 
 from __future__ import annotations

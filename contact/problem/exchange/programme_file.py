@@ -1,7 +1,7 @@
-"""One contact problem as a NumPy file that qpsolvers reads as a quadratic programme, and this package without loss.
+"""One contact problem as a quadratic programme for other programs, as a NumPy or a QPS file, read back without loss.
 
-`qpsolvers.Problem.load(path)` gives the scaled programme, in the form chosen. Beside the arrays of qpsolvers, which
-takes no notice of others, the file holds
+Of a NumPy file `qpsolvers.Problem.load(path)` gives the scaled programme, in the form chosen. Beside the arrays of
+qpsolvers, which takes no notice of others, the file holds
 
 - ``contact_separation``, ``contact_lever_arm``, ``contact_torque`` and ``contact_compliance``, or
   ``contact_compliance_diagonal`` and ``contact_compliance_factor``: the problem itself, in mm, N and N mm;
@@ -11,7 +11,7 @@ takes no notice of others, the file holds
 In the dense and the lifted form F are the first n unknowns and theta is minus the multiplier of the first equality; in
 the dual form F are the first n unknowns and theta is the last.
 
-Sections of a QPS file, the format of the Maros-Meszaros test problems: a quadratic programme as text.
+A QPS file, the format of the Maros-Meszaros test problems, is a quadratic programme as text:
 
     minimise 1/2 x'Q x + c'x - k   subject to rows of type E, L or G and bounds on x
 
@@ -26,12 +26,11 @@ most 12 characters, too few for a double; it reads as the free one unless names 
 I. Maros, C. Meszaros, A repository of convex quadratic programming problems, Optimization Methods and Software 11
 (1999) 671-681, doi 10.1080/10556789908805768.
 
-One contact problem as a QPS file, the text that most programs for quadratic programmes read, and back without loss.
-
-The columns ``F1``, ``F2``, ... are the normal forces, not negative; the row ``BALANCE`` is r'F = T. In the lifted form,
-for C = diag(d) + V V^T, free columns ``Z1``, ... are the modal amplitudes and the rows ``M1``, ... say V'F - z = 0;
-Q is then diagonal. Names have at most eight characters without blanks. Numbers are written with as many digits as
-determine them, up to 17, for which the fields of the fixed format are too short: the file is in free format.
+For a contact problem the columns ``F1``, ``F2``, ... are the normal forces, not negative; the row ``BALANCE`` is r'F =
+T. In the lifted form, for C = diag(d) + V V^T, free columns ``Z1``, ... are the modal amplitudes and the rows ``M1``,
+... say V'F - z = 0; Q is then diagonal. Names have at most eight characters without blanks. Numbers are written with as
+many digits as determine them, up to 17, for which the fields of the fixed format are too short: the file is in free
+format.
 
 The numbers are those of the problem in other units, powers of two chosen so that they are of order one: solvers stop
 at absolute tolerances. Neither the zero of the rotation nor any separation is changed, so that no bit is lost. The

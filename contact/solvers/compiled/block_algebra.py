@@ -2,8 +2,8 @@
 # cython: annotation_typing=False, infer_types=True
 """Products, factors and solutions of small dense matrices, four rows at a time.
 
-A matrix is a place ``at`` in an array and the distance ``stride`` from a row to the next. Compiled, see ``Makefile``;
-the types that it is compiled with are in the file of the same name that ends in ``.pxd``.
+A matrix is a place ``at`` in an array and the distance ``stride`` from a row to the next. Compiled, see
+``compiled_backend``, with the types in the file of the same name that ends in ``.pxd``.
 """
 
 from __future__ import annotations

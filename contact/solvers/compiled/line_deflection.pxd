@@ -16,5 +16,5 @@ cdef double tangent_root(const double[:, ::1] law, Py_ssize_t i, double force) n
 
 @cython.locals(k=Py_ssize_t)
 cpdef void deflections(
-    const double[:, ::1] law, const int64_t[::1] segment, const double[::1] load, double[:, ::1] found
+    const double[:, ::1] law, const int64_t[::1] segment, const double[::1] load, double[:, ::1] slopes
 ) noexcept nogil

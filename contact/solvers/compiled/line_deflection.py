@@ -87,8 +87,8 @@ def tangent_root(law: Any, i: int, force: float) -> float:
     return root
 
 
-def deflections(law: Any, segment: Any, load: Any, found: Any) -> None:
+def deflections(law: Any, segment: Any, load: Any, slopes: Any) -> None:
     """Secants and tangents (2, m) of the deflection at line loads (m) of segments (m)."""
     for k in range(load.shape[0]):
         secant, tangent = strip(law, segment[k], load[k])
-        found[0, k], found[1, k] = secant, tangent
+        slopes[0, k], slopes[1, k] = secant, tangent

@@ -393,7 +393,7 @@ def _shared_direction(n: Any, imbalance: float) -> float:
     turning = padded_shared * padded_shared
     for t in range(padded_shared):
         n.change[first + t] = n.loads[first + t] - n.amplitudes[first + t] if t < shared else 0.0
-    held, onto = n.border, n.solved
+    border, onto = n.border, n.solved
     for q in range(n.blocks):
         rank, c0, low, high = n.table[n.level + q, 3], q * width, n.spans[3 * q], n.spans[3 * q + 1]
         padded, size, matrix = _padded(rank), _padded(high - low), q * width * width
@@ -404,12 +404,12 @@ def _shared_direction(n: Any, imbalance: float) -> float:
         for a in range(c0, c0 + padded):
             n.change[a] = n.loads[a] - n.amplitudes[a] if a < c0 + rank else 0.0
         if size < padded:
-            row_products(n.rows, matrix, width, size, n.change, c0, padded, held, c0)
+            row_products(n.rows, matrix, width, size, n.change, c0, padded, border, c0)
         else:
             for a in range(c0, c0 + padded):
-                held[a] = n.change[a]
-        forward(n.grams, matrix, width, edge, held, c0)
-        row_products(n.grams, matrix + edge * width, width, local + 1, held, c0, edge, onto, c0)
+                border[a] = n.change[a]
+        forward(n.grams, matrix, width, edge, border, c0)
+        row_products(n.grams, matrix + edge * width, width, local + 1, border, c0, edge, onto, c0)
         imbalance += onto[c0 + local]
         for k in range(local):
             onto[c0 + k] = -onto[c0 + k]
@@ -434,17 +434,17 @@ def _shared_direction(n: Any, imbalance: float) -> float:
         edge = min(size, padded)
         if size < padded:
             for x in range(c0, c0 + edge):
-                held[x] = -held[x]
+                border[x] = -border[x]
         for k in range(local):
             onto[c0 + k] = -n.change[c0 + rank + k]
         onto[c0 + local] = turn
-        add_rows(n.grams, matrix + edge * width, width, local + 1, onto, c0, held, c0, edge)
-        backward(n.grams, matrix, width, edge, held, c0)
+        add_rows(n.grams, matrix + edge * width, width, local + 1, onto, c0, border, c0, edge)
+        backward(n.grams, matrix, width, edge, border, c0)
         if size < padded:
-            add_rows(n.rows, matrix, width, size, held, c0, n.change, c0, rank)
+            add_rows(n.rows, matrix, width, size, border, c0, n.change, c0, rank)
         else:
             for a in range(c0, c0 + rank):
-                n.change[a] = held[a]
+                n.change[a] = border[a]
     return turn
 
 
@@ -603,7 +603,7 @@ def _take(n: Any, level: int, arm: Any, local: Any, linear: bool, guess: float, 
 
 
 def _start(n: Any, total: int, torque: float, mask: Any, b: int) -> tuple[float, float]:
-    """Amplitudes and rotation at which the segments that are taken to touch stick; and the rotation of `_winkler`."""
+    """Amplitudes and rotation at which the segments that are taken to touch stick; and `winkler_rotation`."""
     winkler, some = 0.0, False
     if mask.shape[0]:
         for x in range(total):

@@ -1,8 +1,8 @@
 # cython: language_level=3, boundscheck=False, wraparound=False, cdivision=True, initializedcheck=False
 # cython: annotation_typing=False, infer_types=True
-"""What a solution begins and ends with: the first contact of the rigid bodies, springs without coupling, and the proof.
+"""Start and end of a solution: first contact of the rigid bodies, springs without coupling, and the proof.
 
-Compiled. The methods are those of ``first_contact``, ``error_free`` and ``certificate``.
+Compiled. The methods are those of ``first_contact``, ``scaled_problem`` and ``certificate``.
 """
 
 from __future__ import annotations

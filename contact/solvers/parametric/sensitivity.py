@@ -7,13 +7,8 @@ On the touching segments A the conditions are equations; their derivative is the
 on the right. It is exact as long as the touching set does not change to first order. Where segments touch without a
 force (F = Y = 0) the solution has a kink, and its derivative in a direction is one-sided; see `weak_segments`.
 
-Direction in which the data of a contact problem change, as its derivatives need it.
-
-Gradient of a number read off a solution, with respect to all data of the contact problem.
-
-Derivative of a solution in one direction of its data, and what derivatives a solution has.
-
-Sensitivity of an answer: which segments are loaded, which are weak, and the compliance it has there.
+The sensitivity of an answer holds which segments are loaded, which are weak, and the compliance there. It gives the
+derivative of the solution in one direction of the data, and the gradient of a number read off the solution.
 """
 
 from __future__ import annotations

@@ -1,9 +1,7 @@
 """Form in which the system of the touching segments is solved: dense, or in the bending modes.
 
-In the bending modes C = diag(d) + U U', d > 0.
-
-With the amplitudes z = U'F of the modes, block by block, the forces are F = w (g + r theta - U z), w = 1/d where a
-segment touches and zero elsewhere, and
+In the bending modes C = diag(d) + U U', d > 0. With the amplitudes z = U'F of the modes, block by block, the forces are
+F = w (g + r theta - U z), w = 1/d where a segment touches and zero elsewhere, and
 
     (I + U'w U) z - U'w r theta = U'w g,    r'w r theta - r'w U z = T - r'w g.
 

@@ -49,7 +49,7 @@ def rows(exact: dict[str, CorrectionLoop], noisy: dict[str, CorrectionLoop]) -> 
 def draw() -> None:
     """Write the topographies of one loop."""
     case, member, errors = CORRECTION_LOOPS[DRAWN]
-    (correction,) = correction_loop(loop_case(case), member, errors, NOISE).found.corrections[member]
+    (correction,) = correction_loop(loop_case(case), member, errors, NOISE).correction.corrections[member]
     PICTURE.parent.mkdir(exist_ok=True)
     title = f"{DRAWN}: {member} of {case}, measured with {NOISE:g} µm of noise"
     save_small(plot.topography(correction, title=title), PICTURE)

@@ -12,9 +12,9 @@ from easeoff.geometry import Misalignment
 
 case = easeoff.read_case("fm-11x41")
 at_rest = {"torques": [50, 150, 300, 450], "misalignment": Misalignment()}
-held = easeoff.analyze(case, supports="axle-fm-11x41", **at_rest)
+supported = easeoff.analyze(case, supports="axle-fm-11x41", **at_rest)
 rigid = easeoff.analyze(case, **at_rest)
-under_load = held["misalignment"].to_dataset().mean("mesh_position")
+under_load = supported["misalignment"].to_dataset().mean("mesh_position")
 print(under_load["offset"].values, "mm offset")
 
 figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.2), layout="constrained")
@@ -22,7 +22,7 @@ for name, label in (("offset", "E"), ("pinion_axial", "P"), ("gear_axial", "G"))
     left.plot(under_load["torque"], under_load[name], marker="o", label=label)
 left.set(xlabel="torque at the pinion [N m]", ylabel="displacement [mm]")
 left.legend()
-for tree, label in ((rigid, "rigid"), (held, "on shafts and bearings")):
+for tree, label in ((rigid, "rigid"), (supported, "on shafts and bearings")):
     right.plot(tree["loaded/torque"], tree["loaded/max_pressure"], marker="o", label=label)
 right.set(xlabel="torque at the pinion [N m]", ylabel="greatest pressure [MPa]")
 right.legend()

@@ -7,7 +7,7 @@ As in the model, the load is shared: with a the part that asperities carry and m
 in the logarithms of pressure, radius, rolling velocity, slide-to-roll ratio, viscosity, and lambda ratio by the film
 formula of Pan and Hamrock. Both limits of the lambda ratio are so met by the form itself.
 
-Regression of the friction formula on a study, and errors of formulas against the model.
+The polynomials are a regression on the study, with their errors against the model.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ DEGREE = 3
 TERMS = tuple(t for d in range(DEGREE + 1) for t in combinations_with_replacement(range(len(VARIABLES)), d))
 #: How far ln(G) may be from that of the study's oil at the same viscosity.
 OIL_TOLERANCE = 0.15
-#: Flags of the inputs beyond the study, in the order of the ``VARIABLES``, and of the oil; see ``friction.FLAGS``.
+#: Flags of the inputs beyond the study, in the order of ``VARIABLES``, and of the oil; see ``kolivand_formula.FLAGS``.
 VARIABLE_FLAGS, OIL_FLAG = (2, 1024, 2048, 1, 4096, 4), 8192
 CHUNK_SIZE = 16384
 #: How many numbers each array of a formula has.
@@ -178,7 +178,7 @@ class FrictionFormula:
         return friction.reshape(inside.shape), np.asarray(inside)
 
     def _beyond(self, logarithms: Array) -> Bools:
-        """Which of the logarithms (..., 6) are beyond the range of the study, or no numbers."""
+        """True for the logarithms (..., 6) beyond the range of the study, and for those that are no numbers."""
         slack = 1e-9
         return np.asarray(~((logarithms >= self.lowest - slack) & (logarithms <= self.highest + slack)))
 
@@ -192,7 +192,7 @@ class FrictionFormula:
         return friction
 
     def flags(self, conditions: ContactConditions) -> Flags:
-        """Which inputs of ``coefficient`` were taken at the end of the study's range (...), as sums of flags.
+        """Flags (...) of the inputs of ``coefficient`` that were taken at the end of the study's range, summed.
 
         Examples
         --------

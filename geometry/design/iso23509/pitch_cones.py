@@ -10,13 +10,10 @@ with one parameter. The methods differ in the condition that picks one member:
 Every condition is solved to rounding. The standard stops at 1 % (methods 1 and 2) or 0.01 % (method 3), so the last
 printed digits of its samples may differ.
 
-Two pitch cones that touch at the mean point, and what follows from their position alone.
-
-The crown gear of a pair: the tooth line that a cutter traces on the gear's developed pitch cone.
-
-A face-milling cutter traces a circle. A face-hobbing cutter turns in step with the work and traces an extended
-epicycloid: a circle rolling on the base circle carries the blade. Without blade groups the epicycloid becomes the
-circle, so that one set of formulas serves both.
+The crown gear has the tooth line that a cutter traces on the gear's developed pitch cone. A face-milling cutter traces
+a circle. A face-hobbing cutter turns in step with the work and traces an extended epicycloid: a circle rolling on the
+base circle carries the blade. Without blade groups the epicycloid becomes the circle, so that one set of formulas
+serves both.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Aim of a search: objectives and limits over sides, assemblies and torques, and their references at the start.
 
-Quantities of an analysis for objectives and limits, and how they change with the settings.
-
-Form of the ease-off at some nodes of the flank, a rotation left out, and its change by the settings.
+Its quantities are those of an analysis, and the form of the ease-off at some nodes of the flank, a rotation left out;
+all with their changes by the settings.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """Analysed settings: the contact on every side and in every assembly, with derivatives by the free settings.
 
-Assemblies that a search protects: the case's own, given ones, and samples of distributed errors.
-
-Distance of the blades' tips from the root cones at toe, middle and heel, with derivatives by settings.
+The assemblies are the case's own, given ones, and samples of distributed errors. The distance of the blades' tips from
+the root cones, at toe, middle and heel, has derivatives, too.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ Both ends are the optima of one objective each. Between them one objective is mi
 each time in the middle of the widest gap, from the neighbour that keeps the ceiling, or else from the other one (method
 of epsilon constraints).
 
-Record of a search: settings, objectives, limits, programmes, assemblies and the front as datasets.
+A search is recorded as datasets of settings, objectives, limits, programmes, assemblies and the front.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ from ...analysis.case_analysis import analyze
 from ...analysis.contact_analysis import case_torques
 from ...analysis.operating import operation_of
 from ...case_in_mesh import CaseInMesh, checked_case, prepared_pair
-from ...progress import shows_progress, told
+from ...progress import callback, shows_progress
 from ...sweep.sweep_plan import Distribution, sample_values
 from .aim import NEEDED, Aim, ContactQuantity, Judgement, Objective, QuantityLimit
 from .analysed_settings import Workshop, usual_root_line_change
@@ -79,7 +79,7 @@ def optimize(
     case
         A checked case, or what ``read_case`` takes.
     minimize
-        Quantities, as ``peak_to_peak``, ``harmonic_1`` or ``max_pressure``, see ``contact_quantity.NAMES``; with
+        Quantities, as ``peak_to_peak``, ``harmonic_1`` or ``max_pressure``, see ``aim.NAMES``; with
         ``@TORQUE`` at one torque alone, with ``drive.`` or ``coast.`` on one side.
     limits
         Of the same quantities: ``max_pressure@250<=1500``. If ``root_line_change`` is not among them, it is limited to
@@ -178,7 +178,7 @@ def optimize(
     workshop = replace(workshop, space=replace(space, free=bounded))
     tolerance = FRONT_TOLERANCE if form == "pareto" else USUAL_TOLERANCE
     searching = SettingSearch(
-        workshop, readings, steps=steps, tolerance=tolerance, progress=told(progress), stage=stage
+        workshop, readings, steps=steps, tolerance=tolerance, progress=callback(progress), stage=stage
     )
     judgement = Judgement(aim, aim.references(searching.begun(Judgement(aim, ())).read))
     start = searching.begun(judgement)

@@ -145,16 +145,16 @@ class SettingSearch:
         best = min(outcomes, key=lambda one: (bool(one.unrounded), one.point.merit.total))
         return replace(best, steps=tuple(done), ended=local_search.ended)
 
-    def _rounded(self, found: Search, here: AnalysedSettings, judgement: Judgement) -> Outcome:
-        """The settings of a search from ``here`` as they are set on the machine, with their own teeth."""
-        best: AnalysedSettings = found.point
+    def _rounded(self, search: Search, start: AnalysedSettings, judgement: Judgement) -> Outcome:
+        """The settings of a search from ``start`` as they are set on the machine, with their own teeth."""
+        best: AnalysedSettings = search.point
         try:
             point, case, unrounded = self.anew(best.values, judgement, _rounded_settings(best))
         except EaseoffError as error:
-            point, case, unrounded = here, self._workshop.space.case_at(here.values), str(error)
-        prices = Prices.of(found.last, judgement, self._workshop.units)
+            point, case, unrounded = start, self._workshop.space.case_at(start.values), str(error)
+        prices = Prices.of(search.last, judgement, self._workshop.units)
         change, loss = best.ease_off_change(case), point.merit.total - best.merit.total
-        return Outcome(best.values, point.values, case, point, (), found.ended, prices, change, loss, unrounded)
+        return Outcome(best.values, point.values, case, point, (), search.ended, prices, change, loss, unrounded)
 
     def _programme(self, judgement: Judgement, model: LocalModel) -> StepProgramme:
         weights = judgement.weights

@@ -66,7 +66,7 @@ def coarse_lattice(name: str, member: str) -> ToothLattice:
 @cache
 def gear_tooth() -> tuple[ToothLattice, Substructures]:
     lattice = coarse_lattice("fm-11x41", "gear")
-    return lattice, elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
+    return lattice, elastic_body(lattice.nodes, lattice.cells, lattice.fixed_nodes, STEEL)
 
 
 @cache
@@ -228,7 +228,7 @@ def test_compliance_settles_as_the_bricks_get_smaller() -> None:
     found = []
     for size in (LatticeSize(4, 2, 2, 1, 1, 1), LatticeSize(8, 4, 2, 1, 1, 2), LatticeSize(11, 5, 3, 1, 1, 2)):
         lattice = tooth_lattice(pair(), "gear", size)
-        body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL)
+        body = elastic_body(lattice.nodes, lattice.cells, lattice.fixed_nodes, STEEL)
         factor = square_root(body.response(flank_loads(lattice), foot_displacements(lattice)))
         whitened = FlankCompliance(lattice.lengthwise, lattice.profile, factor).whitened(points, 0.5 * weights)
         found.append(whitened.T @ whitened)

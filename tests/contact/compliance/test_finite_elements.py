@@ -182,7 +182,7 @@ CALCULIX += [(*c, 1) for c in CORNERS]
 def test_calculix_on_the_same_tooth(tmp_path: Path) -> None:
     """A generated tooth on its body under one force: every displacement as CalculiX's."""
     lattice = tooth_lattice(gear_pair(read_case("fm-11x41")), "gear", COARSE)
-    body = elastic_body(lattice.nodes, lattice.cells, lattice.held, STEEL, functions=serendipity_functions)
+    body = elastic_body(lattice.nodes, lattice.cells, lattice.fixed_nodes, STEEL, functions=serendipity_functions)
     loaded = int(lattice.flank[4, 4])
     force = np.array([-300.0, 200.0, -100.0])
     load = functionals(len(lattice.nodes), np.array([[loaded]]), np.ones((1, 1)), force[None])
@@ -197,7 +197,7 @@ def test_calculix_on_the_same_tooth(tmp_path: Path) -> None:
         lines += [f"{number}, " + ", ".join(map(str, brick[:10])) + ",", ", ".join(map(str, brick[10:]))]
     lines += ["*MATERIAL, NAME=STEEL", "*ELASTIC", f"{STEEL.elastic_modulus}, {STEEL.poisson_ratio}"]
     lines += ["*SOLID SECTION, ELSET=TOOTH, MATERIAL=STEEL", "*BOUNDARY"]
-    lines += [f"{n + 1}, 1, 3" for n in np.intersect1d(lattice.held, used)]
+    lines += [f"{n + 1}, 1, 3" for n in np.intersect1d(lattice.fixed_nodes, used)]
     lines += ["*STEP", "*STATIC", "*CLOAD", *(f"{loaded + 1}, {k + 1}, {force[k]}" for k in range(3))]
     lines += ["*NODE PRINT, NSET=ALL", "U", "*END STEP", ""]
     (tmp_path / "tooth.inp").write_text("\n".join(lines))
@@ -231,9 +231,9 @@ def displacements(nodes: NDArray[np.int64]) -> NDArray[np.int64]:
 def test_displacements_are_those_of_a_sparse_factorisation() -> None:
     lattice = tooth()
     matrix = stiffness(lattice.nodes, lattice.cells, STEEL)
-    free = np.setdiff1d(np.arange(matrix.shape[0]), displacements(lattice.held))
+    free = np.setdiff1d(np.arange(matrix.shape[0]), displacements(lattice.fixed_nodes))
     loads = np.random.default_rng(5).normal(size=(matrix.shape[0], 4))
-    found = factored(lattice, lattice.held).solve(loads)
+    found = factored(lattice, lattice.fixed_nodes).solve(loads)
     expected = np.zeros_like(loads)
     expected[free] = splu(matrix[free][:, free].tocsc()).solve(loads[free])
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
@@ -244,9 +244,9 @@ def test_stiffness_against_kept_nodes_is_the_schur_complement() -> None:
     lattice = tooth()
     matrix = stiffness(lattice.nodes, lattice.cells, STEEL).toarray()
     kept = lattice.flank[::2, ::-1].ravel()  # in no order of their numbers
-    on, held = displacements(kept), displacements(lattice.held)
+    on, held = displacements(kept), displacements(lattice.fixed_nodes)
     others = np.setdiff1d(np.arange(len(matrix)), np.concatenate([on, held]))
-    body = factored(lattice, lattice.held, kept)
+    body = factored(lattice, lattice.fixed_nodes, kept)
     within, to_kept = matrix[np.ix_(others, others)], matrix[np.ix_(others, on)]
     expected = matrix[np.ix_(on, on)] - to_kept.T @ np.linalg.solve(within, to_kept)
     np.testing.assert_allclose(body.stiffness, expected, rtol=0, atol=1e-11 * np.abs(expected).max())
@@ -273,7 +273,7 @@ def test_a_part_that_is_free_to_move_is_refused() -> None:
     apart = np.concatenate([lattice.cells, lattice.cells + len(lattice.nodes)])  # a second body, held nowhere
     nodes = np.concatenate([lattice.nodes, lattice.nodes])
     with pytest.raises(GeometryError, match="free to move"):
-        substructures(apart, *brick_stiffness(nodes, apart, STEEL), lattice.held)
+        substructures(apart, *brick_stiffness(nodes, apart, STEEL), lattice.fixed_nodes)
 
 
 def test_places_count_bricks_from_neighbour_to_neighbour() -> None:

@@ -177,7 +177,7 @@ def test_loaded_teeth_turn_as_those_on_one_body_solved_whole(name: str, torque: 
     turned = np.zeros((3, len(cases)))  # separate, on one body solved whole, and by the modes
     for member, pitches in zip(MEMBERS, PITCHES_PER_PAIR, strict=True):
         alone = tooth_lattice(pair_of(name), member, replace(size, beside=2))
-        body = elastic_body(alone.nodes, alone.cells, alone.held, STEEL)
+        body = elastic_body(alone.nodes, alone.cells, alone.fixed_nodes, STEEL)
         own = square_root(body.response(flank_loads(alone), foot_displacements(alone)))
         tooth = FlankCompliance(alone.lengthwise, alone.profile, own)
         model = with_body(tooth, *body_modes(pair_of(name), member, STEEL, ring_size()))

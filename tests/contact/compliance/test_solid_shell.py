@@ -108,7 +108,7 @@ def test_polynomials_of_a_brick_have_its_stiffness() -> None:
 def test_one_brick_of_polynomials_on_the_body_is_the_finite_element_tooth() -> None:
     """With the same functions in the tooth the whole is the same: the joint adds nothing and loses nothing."""
     shell = solid_shell(SMALL, STEEL, (3, 3, 3))
-    body = elastic_body(SMALL.nodes, SMALL.cells, SMALL.held, STEEL)
+    body = elastic_body(SMALL.nodes, SMALL.cells, SMALL.fixed_nodes, STEEL)
     loads = flank_loads(SMALL)
     expected = body.response(loads, loads)
     np.testing.assert_allclose(shell.response(loads, loads), expected, rtol=0, atol=1e-9 * expected.max())

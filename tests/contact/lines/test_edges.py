@@ -150,7 +150,7 @@ def test_a_force_on_the_tip_of_the_pinion_bends_its_tooth_at_the_tip() -> None:
     assert np.all(np.abs(on_pinion[1] - 1.0) < 2e-5)
     both = (pinion, on_pinion), (gear, here.point[:, tip])
     own = sum(np.sum(tooth.whitened(at[..., None], weight) ** 2, axis=0) for tooth, at in both)
-    loads = cycle.on_lines.loads_on((here.pinion_point[:, tip, None], here.point[:, tip, None]), weight).own
+    loads = cycle.on_lines.loads_on((here.pinion_point[:, tip, None], here.point[:, tip, None]), weight).on_teeth
     beside = sum(one.nodes.size for one in cycle.on_lines.spread) + 4 * MODES  # two ends of two teeth
     assert loads[2].shape[1] == beside
     np.testing.assert_allclose(sum(np.sum(part**2, axis=1) for part in loads[:2]), own, rtol=1e-9)

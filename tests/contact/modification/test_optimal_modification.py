@@ -32,7 +32,7 @@ def free_bed(seed: int) -> Bed:
 
 def improved(bed: Bed, goal: Goal, **options: Any) -> ModificationSearch:
     none = np.zeros(bed.basis.shape[2])
-    return optimal_modification(bed.solved, bed.solved(none), bed.held(none), goal, **options)
+    return optimal_modification(bed.solved, bed.solved(none), bed.full_contact(none), goal, **options)
 
 
 def forces(bed: Bed, coefficients: Array) -> Array:

@@ -440,9 +440,9 @@ def test_a_certificate_says_whether_it_passes_and_which_condition_is_worst() -> 
     one_sided = certify(springs, np.array([2000.0, 0.0]), 5e-5)
     assert one_sided.worst_condition == "negative_gap"
     assert str(one_sided).startswith("misses 1e-09: worst violation 1, of negative_gap (rounding bound ")
-    assert one_sided.told(2.0).startswith("passes 2: ")
+    assert one_sided.verdict(2.0).startswith("passes 2: ")
     short = certify(springs, np.array([990.0, 990.0]), 2.5e-5)
-    assert short.told(0.03).startswith("passes 0.03: worst violation 0.02, of duality_gap")
+    assert short.verdict(0.03).startswith("passes 0.03: worst violation 0.02, of duality_gap")
     assert str(solve(springs).certificate).startswith("passes 1e-09: ")
     assert "every tolerance" in str(certify(springs, np.array([math.nan, 0.0]), 0.0))
 

@@ -128,12 +128,12 @@ def test_first_order_programme_is_the_limit_of_iterating_between_supports_and_co
     result = found(name, flank)
     for case in result.cases[:2]:
         here = case.segments
-        assert here.held is not None
+        assert here.support is not None
         twist, changes = np.zeros(6), [np.inf]
         while changes[-1] > 1e-12:
-            moved = replace(here, held=SupportModes(np.zeros((6, 6)), -twist))
+            moved = replace(here, support=SupportModes(np.zeros((6, 6)), -twist))
             solution, _ = solve_on_bending(moved.bending_problem.with_torque(case.problem.torque), here.line_contact)
-            following = here.held.twist(here.mesh_wrench(solution.force))
+            following = here.support.twist(here.mesh_wrench(solution.force))
             changes.append(float(np.abs(following - twist).max()))
             twist = following
             assert len(changes) < 200
@@ -257,10 +257,10 @@ def test_work_of_the_torque_is_the_energy_of_teeth_contact_and_supports(name: st
     energies: dict[int, list[float]] = {}
     for case in sorted(result.cases, key=lambda one: one.torque):
         segments, force = case.segments, case.solution.force
-        assert segments.held is not None
+        assert segments.support is not None
         wrench = segments.mesh_wrench(force)
         bending = 0.5 * np.sum((force @ segments.bending.factor) ** 2)
-        motion = 0.5 * wrench @ segments.held.twist(wrench)
+        motion = 0.5 * wrench @ segments.support.twist(wrench)
         along = [segments.line_contact.deflection(0.5 * (1.0 + node) * force) for node in nodes]
         local = 0.5 * sum(weight * (one @ force) for weight, one in zip(weights, along, strict=True))
         energy = bending + motion + local + force @ segments.separation
@@ -388,12 +388,12 @@ def test_supports_that_depend_on_the_load_are_those_under_the_load_found(update:
             under = wrench[torque, position] if update == "position" else wrench[torque].mean(axis=0)
             relative = held.at(under, -under).relative(here.geometry.pair.assembly)
             twist = relative @ wrench[torque, position]
-            own = RelativeMotion(one.found.cycle.geometry.pair.assembly, motion.pinion_sense)
+            own = RelativeMotion(one.round.cycle.geometry.pair.assembly, motion.pinion_sense)
             if update != "position":
-                np.testing.assert_allclose(own.twist(one.found.parts[0, position]), twist, atol=1e-10)
+                np.testing.assert_allclose(own.twist(one.round.parts[0, position]), twist, atol=1e-10)
             else:
                 size = np.abs(twist).max()
-                np.testing.assert_allclose(own.twist(one.found.parts[0, position]), twist, atol=1e-3 * size)
+                np.testing.assert_allclose(own.twist(one.round.parts[0, position]), twist, atol=1e-3 * size)
 
 
 @pytest.mark.thorough
@@ -437,7 +437,7 @@ def test_edges_are_searched_as_far_as_gaps_close() -> None:
         every = segments[case.mesh_position]
         assert every is not None
         assert every.pair.size > case.segments.pair.size
-        whole = replace(every, held=modes)
+        whole = replace(every, support=modes)
         solution, _ = solve_on_bending(whole.bending_problem.with_torque(case.problem.torque), whole.line_contact)
         assert solution.rotation == pytest.approx(case.solution.rotation, rel=1e-9)
         touching = np.count_nonzero(solution.force > 1e-9 * solution.force.max())

@@ -86,15 +86,15 @@ def test_the_corrected_case_leaves_less_than_three_percent(loop: str, tmp_path: 
     assert greatest(done.before) > 15.0
     assert done.left < 0.03
     shared = "fixed" not in loop
-    assert len(done.found.corrections[member]) == (1 if shared else 2)
-    table = getattr(done.found.case, member)
+    assert len(done.correction.corrections[member]) == (1 if shared else 2)
+    table = getattr(done.correction.case, member)
     assert (table.concave.machine == table.convex.machine) == shared
     for which in SIDES:
         assert getattr(table, which).cutter == getattr(getattr(case, member), which).cutter
-    for correction in done.found.corrections[member]:
+    for correction in done.correction.corrections[member]:
         assert correction.rms < 0.02 * correction.rms_before
-    write_case(done.found.case, tmp_path / "corrected.toml")
-    assert read_case(tmp_path / "corrected.toml").model_dump() == done.found.case.model_dump()
+    write_case(done.correction.case, tmp_path / "corrected.toml")
+    assert read_case(tmp_path / "corrected.toml").model_dump() == done.correction.case.model_dump()
 
 
 @pytest.mark.parametrize("loop", CORRECTION_LOOPS)
@@ -105,7 +105,7 @@ def test_measuring_errors_stay_what_they_are(loop: str) -> None:
     done = correction_loop(loop_case(name), member, errors, noise=0.5)
     left = np.concatenate([value.ravel() for value in done.after.values()])
     assert np.sqrt(np.mean(left**2)) < 0.6
-    for correction in done.found.corrections[member]:
+    for correction in done.correction.corrections[member]:
         assert 1e3 * correction.rms == pytest.approx(0.5, abs=0.12)  # the noise is what the prediction leaves
 
 
@@ -244,7 +244,7 @@ def test_large_deviations_are_corrected_in_one_pass(loop: str, size: float, limi
     done = correction_loop(case, member, scaled_errors(case, member, errors, size))
     assert greatest(done.before) == pytest.approx(size, rel=0.1)
     assert done.left < limit
-    assert not any(np.any(flank.missing) for found in done.found.corrections[member] for flank in found.flanks)
+    assert not any(np.any(flank.missing) for found in done.correction.corrections[member] for flank in found.flanks)
 
 
 def test_a_completing_pinion_with_an_undercut_flank_is_corrected() -> None:
