@@ -108,13 +108,14 @@ class BlankDesignTable(Table):
         wanted, other = "gear_mean_spiral_angle", "pinion_mean_spiral_angle"
         if whole.method == 1:
             wanted, other = other, wanted
+        mistakes = []
         if getattr(whole, other) is not None:
-            raise ValueError(f"{other} = {getattr(whole, other)}: method {whole.method} takes {wanted} instead")
-        if getattr(whole, wanted) is None:
-            raise ValueError(f"{wanted} is missing: method {whole.method} needs it")
-        if whole.gear_face_width is None:
-            diameter = "gear_mean_pitch_diameter" if whole.method == 2 else "gear_outer_pitch_diameter"
-            raise ValueError(f"{diameter} is missing: method {whole.method} needs it")
+            mistakes.append(f"{other} = {getattr(whole, other)}: method {whole.method} takes {wanted} instead")
+        needed = [wanted, "gear_mean_pitch_diameter" if whole.method == 2 else "gear_outer_pitch_diameter"]
+        missing = [name for name in needed if getattr(whole, name) is None]
+        mistakes += [f"{name} is missing: method {whole.method} needs it" for name in missing]
+        if mistakes:
+            raise ValueError("[blank_design] " + "; ".join(mistakes))
         return whole
 
     def tooth_size(self, teeth: tuple[int, int]) -> tuple[float, float]:

@@ -31,15 +31,23 @@ if TYPE_CHECKING:
     from ...geometry.pair.gear_pair import FlankName
 
 INCH = 25.4  # [mm]
+#: Module and cutter radius [mm] below which a whole design seems to be in inches.
+SMALLEST_MODULE, LARGEST_CUTTER_IN_INCHES = 0.4, 12.5
 #: Radius of the cutter over the gear's pitch radius: what is absurd, what is usual.
 ABSURD_RATIO, USUAL_RATIOS = 0.15, (0.25, 3.0)
 
 
-def refuse_inches(table: BlankDesignTable) -> None:
-    """Refuse a cutter radius in inches among basic data; the message has it in mm."""
+def refuse_inches(table: BlankDesignTable, gear_teeth: int) -> None:
+    """Refuse basic data in inches, or a cutter radius alone; the message has the length in mm."""
     diameter = table.gear_outer_pitch_diameter or table.gear_mean_pitch_diameter
     if diameter is None:
         return
+    if diameter / gear_teeth < SMALLEST_MODULE and table.cutter_radius < LARGEST_CUTTER_IN_INCHES:
+        name = "gear_outer_pitch_diameter" if table.gear_outer_pitch_diameter else "gear_mean_pitch_diameter"
+        raise InputError(
+            f"[blank_design] {name} = {diameter:g}: lengths must be in mm, and this one makes a module of "
+            f"{diameter / gear_teeth:.2g} mm; {diameter:g} in is {INCH * diameter:.6g} mm"
+        )
     radius, ratio = table.cutter_radius, 2.0 * table.cutter_radius / diameter
     if ratio < ABSURD_RATIO and USUAL_RATIOS[0] <= INCH * ratio <= USUAL_RATIOS[1]:
         raise InputError(

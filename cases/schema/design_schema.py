@@ -173,7 +173,7 @@ class Design(InputFile):
     easeoff_design: Literal[1] = key("version of the format")
     title: Title
     description: Description = ""
-    pair: PairTable
+    pair: PairTable = PairTable()
     blank_design: BlankDesignTable
     pinion: DesignedPinion
     gear: DesignedGear

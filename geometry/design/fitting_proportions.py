@@ -12,21 +12,23 @@ import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ...core.errors import EaseoffError
 from .blank import BlankDesign, BlankDimensions, blank_dimensions
+from .iso23509.blank_dimensions import DepthTaper
 from .iso23509.usual_proportions import DefaultValue
 from .slot_width import SlotWidths, ToothLine, TopLands
 from .tooth_proportions import ToothProportions
 
-FREE_PROPORTIONS = ("thickness_factor", "gear_mean_addendum_factor", "depth_factor", "depth_taper")
 LEAST_LAND = 0.25  # top land and slot, over the mean normal module
 LEAST_MARGIN = 0.05  # height left to the limit of undercut, over the mean normal module
 LARGEST_DEDENDUM_ANGLE = math.radians(12.0)
-#: Steps of each proportion, of equal weight: added, or of the depth taken off in shares.
-THICKNESS_STEP, ADDENDUM_STEP, DEPTH_STEP = 0.05, 0.04, 0.05
+#: Steps of equal weight, that of the depth a share of it.
+WEIGHED_STEPS = {"thickness_factor": 0.05, "gear_mean_addendum_factor": 0.04, "depth_factor": -0.05}
+FREE_PROPORTIONS = (*WEIGHED_STEPS, "depth_taper")
 STEPS, UNIFORM_WEIGHT = 6, 3
 RULE = "rule of this package: top land, slot, undercut"
 
@@ -52,24 +54,16 @@ def fitting_proportions(
 
 def _candidates(design: BlankDesign, free: Sequence[str]) -> Iterator[BlankDesign]:
     """The design itself, then changes of it, small ones first."""
-
-    def steps(name: str) -> range:
-        return range(STEPS if name in free else 1)
-
-    tapers = [(0, design.depth_taper)]
+    tapers: list[tuple[int, DepthTaper | None]] = [(0, design.depth_taper)]
     if "depth_taper" in free and design.depth_taper != "uniform":
         tapers.append((UNIFORM_WEIGHT, "uniform"))
-    counts = itertools.product(
-        steps("thickness_factor"), steps("gear_mean_addendum_factor"), steps("depth_factor"), tapers
-    )
-    for thickness, addendum, depth, (_, taper) in sorted(counts, key=lambda count: sum(count[:3]) + count[3][0]):
-        changes = {"depth_taper": taper}
-        if thickness:
-            changes["thickness_factor"] = design.thickness_factor + THICKNESS_STEP * thickness
-        if addendum:
-            changes["gear_mean_addendum_factor"] = design.gear_mean_addendum_factor + ADDENDUM_STEP * addendum
-        if depth:
-            changes["depth_factor"] = design.depth_factor * (1.0 - DEPTH_STEP * depth)
+    steps = itertools.product(*(range(STEPS if name in free else 1) for name in WEIGHED_STEPS))
+    for counts, (_, taper) in sorted(itertools.product(steps, tapers), key=lambda each: sum(each[0]) + each[1][0]):
+        changes: dict[str, Any] = {"depth_taper": taper}
+        for (name, step), count in zip(WEIGHED_STEPS.items(), counts, strict=True):
+            if count:
+                value = getattr(design, name)
+                changes[name] = value + count * step * (value if name == "depth_factor" else 1.0)
         yield replace(design, **changes)
 
 

@@ -93,7 +93,7 @@ SEARCHED = "search: without it no pinion, or no whole teeth"
 def _alternatives(design: Design) -> Iterator[Design]:
     """The design with another value for one thing that its file leaves out."""
     left_out = {each.name for each in design.defaults}
-    if "method" not in design.pinion.model_fields_set:
+    if design.pinion.model_fields_set.isdisjoint(("method", "limits", "free_settings", "follow_root")):
         left_out.add("pinion.method")
     for name, value in ALTERNATIVES:
         now = getattr(design.blank_design, name) if "." not in name else attrgetter(name)(design)

@@ -149,8 +149,9 @@ def _taper(known: Mapping[str, Any], hobbed: bool, gear_angle: float, offset: fl
     if diameter is not None and width is not None:
         mean_diameter = diameter - width * math.sin(gear_angle)
         spiral = known.get("gear_mean_spiral_angle")
-        if spiral is None:  # about
-            spiral = known.get("pinion_mean_spiral_angle", 0.0) - math.asin(min(2.0 * offset / mean_diameter, 1.0))
-        if mean_diameter / (2.0 * math.sin(gear_angle)) * math.sin(spiral) > known.get("cutter_radius", math.inf):
+        if spiral is None and mean_diameter > 2.0 * abs(offset):  # about
+            spiral = known.get("pinion_mean_spiral_angle", 0.0) - math.asin(2.0 * offset / mean_diameter)
+        least_radius = mean_diameter / (2.0 * math.sin(gear_angle)) * math.sin(spiral or 0.0)
+        if least_radius > known.get("cutter_radius", math.inf):
             return DefaultValue("depth_taper", "uniform", f"{STANDARD}, C.5: a cutter of this radius")
     return DefaultValue("depth_taper", "modified_slot_width", f"{STANDARD}, C.5: tilted root line")
