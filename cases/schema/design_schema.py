@@ -25,9 +25,9 @@ class DesignedGear(Table):
     """The gear, cut by one spread-blade cutter or hobbed."""
 
     number_of_teeth: int = number("number of teeth", "1", ge=3, le=500)
-    generation: Literal["formate", "generated"] | None = key(
-        "whether the gear is rolled while it is cut, or only indexed; if left out it is indexed from a ratio of 2.5 on",
-        default=None,
+    generation: Literal["formate", "generated"] = key(
+        "whether the gear is rolled while it is cut, or only indexed; if left out it is generated below a ratio of 2.5",
+        default="formate",
     )
     basic_settings: Literal["mean_point", "root_line"] = key(
         "whether the gear's settings are corrected until its flanks have the blank's angles at the mean point, or "
@@ -149,8 +149,8 @@ class ResolutionTable(Table):
 class DesignTargets(Table):
     """Wanted ease-off of both sides, in the misalignment of the design; by the size of the teeth if left out."""
 
-    drive: TargetTable | None = None
-    coast: TargetTable | None = None
+    drive: TargetTable = TargetTable()
+    coast: TargetTable = TargetTable()
 
 
 FORMATE_RATIO = 2.5  # of a pair at 90 degrees; customary from there on
@@ -206,7 +206,7 @@ class Design(InputFile):
         basic = self.blank_design.completed(teeth, self.pair.shaft_angle, self.pair.hypoid_offset)
         taken: list[DefaultValue] = []
         changed: dict[str, Any] = {"blank_design": basic}
-        if self.gear.generation is None:
+        if "generation" not in self.gear.model_fields_set:
             shaft = math.radians(self.pair.shaft_angle)
             flat = math.sin(shaft) * teeth[1] > FORMATE_RATIO * (teeth[0] + teeth[1] * math.cos(shaft))
             kind = "formate" if flat else "generated"
@@ -217,7 +217,7 @@ class Design(InputFile):
             "lengthwise_crowning": round(LENGTHWISE_CROWNING * width, 1),
             "profile_crowning": round(PROFILE_CROWNING * module, 1),
         }
-        sides = [side for side, target in self.target if target is None]
+        sides = [side for side, _ in self.target if side not in self.target.model_fields_set]
         taken += [DefaultValue(f"target.{side}.{key}", crowning[key], OWN_RULE) for side in sides for key in crowning]
         changed["target"] = self.target.model_copy(update=dict.fromkeys(sides, TargetTable(**crowning)))
         for name, value in changed.items():

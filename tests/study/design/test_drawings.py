@@ -57,8 +57,6 @@ def test_a_drawing_is_designed_as_it_is_and_every_value_taken_is_told(tmp_path: 
 
 def test_an_empty_target_still_means_a_conjugate_pinion() -> None:
     design = parse_design(AXLE + "[target.drive]\n")
-    assert design.target.drive is not None
-    assert design.target.coast is not None
     assert (design.target.drive.lengthwise_crowning, design.target.coast.lengthwise_crowning) == (0.0, 74.0)
 
 
