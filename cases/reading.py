@@ -160,7 +160,7 @@ def _require_possible(file: Case | Design | SupportFile) -> None:
     if isinstance(file, SupportFile):
         return  # to be checked with the case whose axes they hold
     if file.blank_design is not None:
-        refuse_inches(file.blank_design)
+        refuse_inches(file.blank_design, file.gear.number_of_teeth)
         from .conversion import designed_blanks
 
         designed_blanks(file.blank_design, (file.pinion.number_of_teeth, file.gear.number_of_teeth), file.pair)

@@ -2,33 +2,47 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+import math
+from typing import Any, Literal, Self
 
-from pydantic import model_validator
+from pydantic import PrivateAttr, model_validator
 
-from .schema_table import Table, key, number, optional
+from ...geometry.design.iso23509.usual_proportions import DefaultValue, usual_proportions
+from .schema_table import Table, in_radians, key, number, optional
 
 
 class BlankDesignTable(Table):
-    """Basic data of both blanks, by ISO 23509:2016, in degrees; ``geometry.BlankDesign`` checks what goes together."""
+    """Basic data of both blanks, by ISO 23509:2016, in degrees; ``geometry.BlankDesign`` checks what goes together.
 
-    method: Literal[0, 1, 2, 3] = number(
-        "pitch cones: spiral bevel (0), or hypoid after Gleason (1), Oerlikon (2), Klingelnberg (3)", "1"
+    What is left out has a default where the standard has one, see `usual_proportions`.
+    """
+
+    method: Literal[0, 1, 2, 3] | None = optional(
+        "pitch cones: spiral bevel (0), or hypoid after Gleason (1), Oerlikon (2), Klingelnberg (3); by offset and "
+        "process if left out",
+        "1",
     )
-    process: Literal["face_milled", "face_hobbed"] = key("face_hobbed in methods 2 and 3")
+    process: Literal["face_milled", "face_hobbed"] | None = key(
+        "face_hobbed in methods 2 and 3, and if left out where number_of_blade_groups is given", default=None
+    )
     pinion_mean_spiral_angle: float | None = optional("method 1", "deg", ge=0, lt=90)
     gear_mean_spiral_angle: float | None = optional(
         "methods 0, 2 and 3; without an offset the pinion's, too", "deg", ge=0, lt=90
     )
-    gear_face_width: float = number("along the pitch cone", "mm", gt=0.5, lt=1000)
+    gear_face_width: float | None = optional(
+        "along the pitch cone; at most 0.3 of the outer cone distance and 10 modules if left out", "mm", gt=0.5, lt=1000
+    )
     cutter_radius: float = number("mean radius", "mm", gt=1, lt=2000)
     nominal_drive_pressure_angle: float = number("nominal drive pressure angle", "deg", default=20.0, ge=0, lt=45)
     nominal_coast_pressure_angle: float = number("nominal coast pressure angle", "deg", default=20.0, ge=0, lt=45)
     gear_outer_pitch_diameter: float | None = optional("methods 0, 1 and 3", "mm", gt=1, lt=10000)
     gear_mean_pitch_diameter: float | None = optional("method 2", "mm", gt=1, lt=10000)
     number_of_blade_groups: int | None = optional("of a face-hobbing cutter", "1", ge=1, le=100)
-    limit_pressure_angle_influence: float = number(
-        "share of the limit pressure angle that shifts the generated pressure angles", "1", default=0.0, ge=0, le=1
+    limit_pressure_angle_influence: float | None = optional(
+        "share of the limit pressure angle that shifts the generated ones; if left out 1 in method 1, else 0",
+        "1",
+        ge=0,
+        le=1,
     )
     profile_shift_coefficient: float | None = optional("data type I: of the pinion", "1", gt=-2, lt=2)
     basic_addendum_factor: float | None = optional("data type I: addendum over module", "1", gt=0, lt=3)
@@ -58,8 +72,9 @@ class BlankDesignTable(Table):
     gear_addendum_angle: float | None = optional("face less pitch angle, instead of depth_taper", "deg", gt=-45, lt=45)
     gear_dedendum_angle: float | None = optional("pitch less root angle, instead of depth_taper", "deg", gt=-45, lt=45)
     depth_taper: Literal["standard", "uniform", "constant_slot_width", "modified_slot_width"] | None = key(
-        "change of depth along the face", default=None
+        "change of depth along the face; uniform if left out where face-hobbed, else modified_slot_width", default=None
     )
+    _defaults: tuple[DefaultValue, ...] = PrivateAttr(default=())
 
     @model_validator(mode="before")
     @classmethod
@@ -71,14 +86,44 @@ class BlankDesignTable(Table):
             )
         return data
 
-    def _check(self) -> None:
+    @property
+    def defaults(self) -> tuple[DefaultValue, ...]:
+        """Values taken for keys that the file leaves out."""
+        return self._defaults
+
+    def with_defaults(self, changed: tuple[DefaultValue, ...]) -> Self:
+        """The table with these values in place of those that were taken before."""
+        copy = self.model_copy(update={each.name: each.value for each in changed})
+        others = {each.name: each for each in changed}
+        copy._defaults = tuple(others.pop(each.name, each) for each in self._defaults) + tuple(others.values())
+        return copy
+
+    def completed(self, teeth: tuple[int, int], shaft_angle: float, hypoid_offset: float) -> Self:
+        """The table with values for what is left out; a `ValueError` names what a drawing must give.
+
+        Shaft angle [deg], offset [mm]; teeth of pinion and gear.
+        """
+        taken = usual_proportions(in_radians(self), teeth, math.radians(shaft_angle), hypoid_offset)
+        whole = self.with_defaults(taken)
         wanted, other = "gear_mean_spiral_angle", "pinion_mean_spiral_angle"
-        if self.method == 1:
+        if whole.method == 1:
             wanted, other = other, wanted
-        if getattr(self, other) is not None:
-            raise ValueError(f"{other} = {getattr(self, other)}: method {self.method} takes {wanted} instead")
-        if getattr(self, wanted) is None:
-            raise ValueError(f"{wanted} is missing: method {self.method} needs it")
+        mistakes = []
+        if getattr(whole, other) is not None:
+            mistakes.append(f"{other} = {getattr(whole, other)}: method {whole.method} takes {wanted} instead")
+        needed = [wanted, "gear_mean_pitch_diameter" if whole.method == 2 else "gear_outer_pitch_diameter"]
+        missing = [name for name in needed if getattr(whole, name) is None]
+        mistakes += [f"{name} is missing: method {whole.method} needs it" for name in missing]
+        if mistakes:
+            raise ValueError("[blank_design] " + "; ".join(mistakes))
+        return whole
+
+    def tooth_size(self, teeth: tuple[int, int]) -> tuple[float, float]:
+        """Outer transverse module and face width of the gear [mm], of completed basic data."""
+        width, diameter = self.gear_face_width or 0.0, self.gear_outer_pitch_diameter or 0.0
+        if self.gear_mean_pitch_diameter is not None:
+            diameter = self.gear_mean_pitch_diameter + width * teeth[1] / math.hypot(*teeth)
+        return diameter / teeth[1], width
 
     @property
     def mean_spiral_angle(self) -> float:

@@ -31,15 +31,23 @@ if TYPE_CHECKING:
     from ...geometry.pair.gear_pair import FlankName
 
 INCH = 25.4  # [mm]
+#: Module and cutter radius [mm] below which a whole design seems to be in inches.
+SMALLEST_MODULE, LARGEST_CUTTER_IN_INCHES = 0.4, 12.5
 #: Radius of the cutter over the gear's pitch radius: what is absurd, what is usual.
 ABSURD_RATIO, USUAL_RATIOS = 0.15, (0.25, 3.0)
 
 
-def refuse_inches(table: BlankDesignTable) -> None:
-    """Refuse a cutter radius in inches among basic data; the message has it in mm."""
+def refuse_inches(table: BlankDesignTable, gear_teeth: int) -> None:
+    """Refuse basic data in inches, or a cutter radius alone; the message has the length in mm."""
     diameter = table.gear_outer_pitch_diameter or table.gear_mean_pitch_diameter
     if diameter is None:
         return
+    if diameter / gear_teeth < SMALLEST_MODULE and table.cutter_radius < LARGEST_CUTTER_IN_INCHES:
+        name = "gear_outer_pitch_diameter" if table.gear_outer_pitch_diameter else "gear_mean_pitch_diameter"
+        raise InputError(
+            f"[blank_design] {name} = {diameter:g}: lengths must be in mm, and this one makes a module of "
+            f"{diameter / gear_teeth:.2g} mm; {diameter:g} in is {INCH * diameter:.6g} mm"
+        )
     radius, ratio = table.cutter_radius, 2.0 * table.cutter_radius / diameter
     if ratio < ABSURD_RATIO and USUAL_RATIOS[0] <= INCH * ratio <= USUAL_RATIOS[1]:
         raise InputError(
@@ -462,6 +470,10 @@ class Case(InputFile):
                     f"[blank_design] and [{name}.blank] are both given: basic data stand for the blanks of both "
                     "members, so leave out either [blank_design] or [pinion.blank] and [gear.blank]"
                 )
+        if self.blank_design is not None:
+            teeth = self.pinion.number_of_teeth, self.gear.number_of_teeth
+            basic = self.blank_design.completed(teeth, self.pair.shaft_angle, self.pair.hypoid_offset)
+            object.__setattr__(self, "blank_design", basic)
         if not self.contact.torques:
             torques = usual_torques(*self._size_of_the_teeth(), self.pinion.number_of_teeth)
             object.__setattr__(self, "contact", self.contact.model_copy(update={"torques": torques}))
@@ -478,7 +490,4 @@ class Case(InputFile):
             diameter = 2.0 * blank.outer_cone_distance * math.sin(math.radians(blank.pitch_angle))
             return diameter / teeth, blank.face_width
         assert basic is not None  # one of both is there
-        width, diameter = basic.gear_face_width, basic.gear_outer_pitch_diameter or 0.0
-        if basic.gear_mean_pitch_diameter is not None:
-            diameter = basic.gear_mean_pitch_diameter + width * teeth / math.hypot(teeth, self.pinion.number_of_teeth)
-        return diameter / teeth, width
+        return basic.tooth_size((self.pinion.number_of_teeth, teeth))

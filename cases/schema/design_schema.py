@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+import math
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, field_validator
+from pydantic import Field, PrivateAttr, field_validator
 
 from ...geometry.cutting.named_settings import scale_of
+from ...geometry.design.iso23509.usual_proportions import DefaultValue
 from ...geometry.design.pinion_method import PinionMethod
 from .blank_design_table import BlankDesignTable
 from .case_schema import ComplianceTable, ContactTable, HandOfSpiral, MisalignmentTable, PairTable, Steel, TargetTable
@@ -24,7 +26,8 @@ class DesignedGear(Table):
 
     number_of_teeth: int = number("number of teeth", "1", ge=3, le=500)
     generation: Literal["formate", "generated"] = key(
-        "whether the gear is rolled while it is cut, or only indexed", default="formate"
+        "whether the gear is rolled while it is cut, or only indexed; if left out it is generated below a ratio of 2.5",
+        default="formate",
     )
     basic_settings: Literal["mean_point", "root_line"] = key(
         "whether the gear's settings are corrected until its flanks have the blank's angles at the mean point, or "
@@ -144,10 +147,16 @@ class ResolutionTable(Table):
 
 
 class DesignTargets(Table):
-    """Wanted ease-off of both sides, in the misalignment of the design."""
+    """Wanted ease-off of both sides, in the misalignment of the design; by the size of the teeth if left out."""
 
-    drive: TargetTable
-    coast: TargetTable
+    drive: TargetTable = TargetTable()
+    coast: TargetTable = TargetTable()
+
+
+FORMATE_RATIO = 2.5  # of a pair at 90 degrees; customary from there on
+#: Crowning of a side without a target: lengthwise in face widths, profile in outer transverse modules [um/mm].
+LENGTHWISE_CROWNING, PROFILE_CROWNING = 2.0, 6.0
+OWN_RULE = "rule of this package"
 
 
 class Design(InputFile):
@@ -164,7 +173,7 @@ class Design(InputFile):
     easeoff_design: Literal[1] = key("version of the format")
     title: Title
     description: Description = ""
-    pair: PairTable
+    pair: PairTable = PairTable()
     blank_design: BlankDesignTable
     pinion: DesignedPinion
     gear: DesignedGear
@@ -174,4 +183,43 @@ class Design(InputFile):
     contact: ContactTable = ContactTable()
     compliance: ComplianceTable = ComplianceTable()
     friction: FrictionTable | None = None
-    target: DesignTargets
+    target: DesignTargets = DesignTargets()
+    _defaults: tuple[DefaultValue, ...] = PrivateAttr(default=())
+
+    @property
+    def defaults(self) -> tuple[DefaultValue, ...]:
+        """Values taken for keys that the file leaves out where a drawing does, with their sources."""
+        return (*self.blank_design.defaults, *self._defaults)
+
+    def with_defaults(self, changed: tuple[DefaultValue, ...]) -> Self:
+        """The design with other values for what its file leaves out, those of [pinion] and [gear] by dotted names."""
+        basic = tuple(each for each in changed if "." not in each.name)
+        copy = self.model_copy(update={"blank_design": self.blank_design.with_defaults(basic)})
+        for each in set(changed).difference(basic):
+            table, key = each.name.split(".")
+            copy = copy.model_copy(update={table: getattr(copy, table).model_copy(update={key: each.value})})
+            copy._defaults = (*(old for old in copy._defaults if old.name != each.name), each)
+        return copy
+
+    def _check(self) -> None:
+        teeth = self.pinion.number_of_teeth, self.gear.number_of_teeth
+        basic = self.blank_design.completed(teeth, self.pair.shaft_angle, self.pair.hypoid_offset)
+        taken: list[DefaultValue] = []
+        changed: dict[str, Any] = {"blank_design": basic}
+        if "generation" not in self.gear.model_fields_set:
+            shaft = math.radians(self.pair.shaft_angle)
+            flat = math.sin(shaft) * teeth[1] > FORMATE_RATIO * (teeth[0] + teeth[1] * math.cos(shaft))
+            kind = "formate" if flat else "generated"
+            taken.append(DefaultValue("gear.generation", kind, "pitch angle of the gear"))
+            changed["gear"] = self.gear.model_copy(update={"generation": kind})
+        module, width = basic.tooth_size(teeth)
+        crowning = {
+            "lengthwise_crowning": round(LENGTHWISE_CROWNING * width, 1),
+            "profile_crowning": round(PROFILE_CROWNING * module, 1),
+        }
+        sides = [side for side, _ in self.target if side not in self.target.model_fields_set]
+        taken += [DefaultValue(f"target.{side}.{key}", crowning[key], OWN_RULE) for side in sides for key in crowning]
+        changed["target"] = self.target.model_copy(update=dict.fromkeys(sides, TargetTable(**crowning)))
+        for name, value in changed.items():
+            object.__setattr__(self, name, value)
+        self._defaults = (*self._defaults, *taken)

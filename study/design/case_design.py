@@ -5,7 +5,9 @@ Fitted settings: machine settings of the pinion that realise a modification of t
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from operator import attrgetter
 
 import numpy as np
 import xarray as xr
@@ -18,6 +20,8 @@ from ...cases.writing import blank_table, flank_settings, recorded_thicknesses
 from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import GeometryError, InputError
+from ...geometry.design.fitting_proportions import FREE_PROPORTIONS, fitting_proportions
+from ...geometry.design.iso23509.usual_proportions import DefaultValue
 from ...geometry.design.pair_design import SIDES, PairDesign, design_pair
 from ...geometry.design.slot_width import require_whole_tooth
 from ...geometry.design.synthesis import Synthesis, fit_pinion
@@ -58,8 +62,55 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     (12, ['coast', 'drive'])
     """
     instance("design", design, Design)
+    failure: GeometryError | None = None
+    incomplete: tuple[Case, DesignReport] | None = None
+    for attempt in (design, *_alternatives(design)):
+        try:
+            case, report = _designed(attempt)
+        except GeometryError as error:
+            failure = failure or error
+            continue
+        if report.analysable:
+            return case, report
+        incomplete = incomplete or (case, report)
+    if incomplete is not None:
+        return incomplete
+    assert failure is not None
+    raise failure
+
+
+#: Values that are tried in turn where a design as completed has no pinion or no whole teeth, by what is left out.
+ALTERNATIVES = (
+    ("depth_taper", "standard"),
+    ("depth_taper", "uniform"),
+    ("limit_pressure_angle_influence", 0.0),
+    ("gear.generation", "generated"),
+    ("pinion.method", "tilt"),
+)
+SEARCHED = "search: without it no pinion, or no whole teeth"
+
+
+def _alternatives(design: Design) -> Iterator[Design]:
+    """The design with another value for one thing that its file leaves out."""
+    left_out = {each.name for each in design.defaults}
+    if design.pinion.model_fields_set.isdisjoint(("method", "limits", "free_settings", "follow_root")):
+        left_out.add("pinion.method")
+    for name, value in ALTERNATIVES:
+        now = getattr(design.blank_design, name) if "." not in name else attrgetter(name)(design)
+        if name not in left_out or now == value:
+            continue
+        if name == "depth_taper" and design.blank_design.process == "face_hobbed":
+            continue
+        yield design.with_defaults((DefaultValue(name, value, SEARCHED),))
+
+
+def _designed(design: Design) -> tuple[Case, DesignReport]:
+    """Case and report of a design as it is."""
     teeth = (design.pinion.number_of_teeth, design.gear.number_of_teeth)
     basic_data = conversion.blank_design(design.blank_design, teeth, design.pair)
+    free = [each.name for each in design.blank_design.defaults if each.name in FREE_PROPORTIONS]
+    basic_data, changes = fitting_proportions(basic_data, free, generated_gear=design.gear.generation == "generated")
+    design = design.with_defaults(changes)
     given = conversion.misalignment(design.misalignment)
     try:
         designed = design_pair(

@@ -26,6 +26,7 @@ from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.design import slot_width
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
 from ...geometry.design.closest_fit import require_usable, residual_limits
+from ...geometry.design.iso23509.usual_proportions import DefaultValue
 from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES, PairDesign
 from ...geometry.design.pinion_method import ADVICE, at_limit
 from ...geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLine, TopLands
@@ -41,6 +42,10 @@ from .rounded_settings import without_rotation
 
 FORMATE_PITCH_ANGLE = 60.0  # [deg]; customary for ratios of two and a half and more
 CUTTER_RADIUS_RATIO = 1.5  # over the gear's mean cone distance; pairs in use lie between 0.7 and 1.2
+SMALL_CUTTER_RATIO = 0.55
+FACE_WIDTH_SHARE = 0.34  # of the outer cone distance; 0.3 is the most by ISO 23509, annex B, of the pitch cones there
+SPIRAL_ANGLES = {"pinion": 60.0, "gear": 45.0}  # largest customary [deg]
+BLADE_ANGLES = (8.0, 32.0)  # customary [deg]
 LEAST_PRESSURE_ANGLE = 10.0  # generated [deg]; next to it a slot has parallel walls
 LEAST_CROWNING = 1.0  # [um]; a smaller one looks like mm
 
@@ -96,6 +101,38 @@ def cutter_radius_advice(basic_data: BlankDesign, blank: BlankDimensions | None)
         f"cutter_radius = {basic_data.cutter_radius:g} mm is {basic_data.cutter_radius / distance:.1f} times the "
         f"gear's mean cone distance of {distance:.0f} mm, 0.7 to 1.2 are usual: the radius is meant, not the diameter?"
     ]
+
+
+def proportion_warnings(blank: BlankDimensions, cutter_radius: float) -> Iterator[str]:
+    """Warnings of proportions out of the customary range, each with its value and the range."""
+    gear = blank.gear
+    share = gear.face_width / gear.outer_cone_distance
+    if share > FACE_WIDTH_SHARE:
+        yield (
+            f"gear_face_width = {gear.face_width:g} mm is {100.0 * share:.0f} % of the outer cone distance of "
+            f"{gear.outer_cone_distance:.0f} mm: at most 30 % are usual"
+        )
+    for name, largest in SPIRAL_ANGLES.items():
+        if (angle := math.degrees(getattr(blank, name).mean_spiral_angle)) > largest:
+            yield f"the {name}'s mean spiral angle of {angle:.1f} degrees is large: up to {largest:.0f} are usual"
+    ratio = cutter_radius / gear.mean_cone_distance
+    if ratio < SMALL_CUTTER_RATIO:
+        yield (
+            f"cutter_radius = {cutter_radius:g} mm is {ratio:.2f} times the gear's mean cone distance of "
+            f"{gear.mean_cone_distance:.0f} mm: 0.7 to 1.2 are usual"
+        )
+
+
+def blade_warnings(designed: PairDesign) -> Iterator[str]:
+    """Warnings of blade angles out of the customary range."""
+    least, largest = BLADE_ANGLES
+    for side, fit in designed.pinion.items():
+        angle = math.degrees(fit.surface.blade.pressure_angle)
+        if not least <= angle <= largest:
+            yield (
+                f"{side}: the pinion's blade has an angle of {angle:.1f} degrees: {least:.0f} to {largest:.0f} are "
+                "usual; [pinion.limits] of another method than closest_fit bound it"
+            )
 
 
 def failure_advice(design: Design, basic_data: BlankDesign) -> list[str]:
@@ -377,6 +414,8 @@ class DesignReport:
         Doubtful points, a sentence each.
     spaces
         Top lands, slots and fillets; ``None`` where they could not be measured.
+    defaults
+        Values taken for what the file leaves out, with their sources.
     analysable
         Whether both members have the whole teeth that the design's model of the elastic teeth needs.
 
@@ -394,6 +433,7 @@ class DesignReport:
     warnings: tuple[str, ...]
     analysable: bool = True
     spaces: ToothSpaces | None = None
+    defaults: tuple[DefaultValue, ...] = ()
 
 
 def checked_design(design: Design, designed: PairDesign) -> DesignReport:
@@ -431,13 +471,14 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         *unfinished,
         *(spaces.warnings() if spaces is not None else []),
     ]
+    warnings += [*proportion_warnings(designed.blank, design.blank_design.cutter_radius), *blade_warnings(designed)]
     teeth = design.pinion.number_of_teeth, design.gear.number_of_teeth
     basic_data = blank_design(design.blank_design, teeth, design.pair)
     if warnings:
         warnings += limit_pressure_angle_advice(basic_data, designed.blank)
         warnings += [*cutter_radius_advice(basic_data, designed.blank), *formate_advice(design, designed.blank)]
     warnings += [*small_target_advice(design), *offset_advice(design, basic_data)]
-    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces)
+    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces, design.defaults)
 
 
 def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:

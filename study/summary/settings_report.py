@@ -54,13 +54,22 @@ def design_report(report: DesignReport) -> str:
     if report.spaces is not None:
         head, *rows = report.spaces.rows()
         parts.append(Table(head, rows, title="Teeth and slots").text())
-    return "\n\n".join([*parts, *warning_lines(report)])
+    return "\n\n".join(
+        [*parts, *(["\n".join(default_lines(report))] if report.defaults else []), *warning_lines(report)]
+    )
 
 
 def summary_lines(report: DesignReport) -> list[str]:
-    """Summary of a design: a line a side, and the warnings."""
+    """Summary of a design: values taken, a line a side, and the warnings."""
     sides: dict[FlankName, SideReport] = dict(report.sides)
-    return [*(f"{side}: {remaining_ease_off(item)}" for side, item in sides.items()), *warning_lines(report)]
+    lines = [*(f"{side}: {remaining_ease_off(item)}" for side, item in sides.items()), *warning_lines(report)]
+    return [*default_lines(report), *lines]
+
+
+def default_lines(report: DesignReport) -> list[str]:
+    """Values taken for what the file leaves out, a line each under a heading; none if it leaves out nothing."""
+    head = ["Taken for what the file leaves out:"] if report.defaults else []
+    return head + [f"  {value}" for value in report.defaults]
 
 
 def warning_lines(report: DesignReport) -> list[str]:

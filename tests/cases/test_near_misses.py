@@ -82,7 +82,8 @@ def test_a_cutter_in_inches_is_told_its_millimetres() -> None:
 
 @pytest.mark.parametrize("name", DESIGN.names())
 def test_shipped_cutters_are_in_millimetres(name: str) -> None:
-    refuse_inches(DESIGN.read(name).blank_design)
+    design = DESIGN.read(name)
+    refuse_inches(design.blank_design, design.gear.number_of_teeth)
 
 
 def test_new_takes_a_file_in_place_of_an_option(tmp_path: Path) -> None:

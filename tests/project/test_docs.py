@@ -234,9 +234,11 @@ def test_design_reference_is_what_the_schema_makes() -> None:
             assert table in shared or f"`[{name}" in page, name
 
 
-def test_example_design_is_a_design() -> None:
-    ((_, code),) = blocks(text("design_file"), "toml")
-    assert parse_design(code).target.drive.lengthwise_crowning > 0.0
+def test_example_designs_are_designs() -> None:
+    """One with all keys, one as drawn, for which values are taken."""
+    (_, whole), (_, drawn) = blocks(text("design_file"), "toml")
+    assert [each.name for each in parse_design(whole).defaults] == ["gear.generation"]
+    assert {"gear_face_width", "depth_taper", "gear.generation"} <= {each.name for each in parse_design(drawn).defaults}
 
 
 def test_free_settings_of_the_page_are_those_of_the_code() -> None:

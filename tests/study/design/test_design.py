@@ -139,6 +139,7 @@ def test_report_warns_of_what_is_doubtful() -> None:
     straying = design_case(parse_design(replaced(FM, r"^follow_root = true$", "follow_root = false")))[1].warnings
     assert any("mm from its root cone" in warning and "follow_root" in warning for warning in straying)
     poor = replaced(FM, r'^hand_of_spiral = "left"$', 'hand_of_spiral = "left"\nfree_settings = ["point_radius"]')
+    poor = replaced(poor, r"^number_of_teeth = 41$", 'number_of_teeth = 41\ngeneration = "formate"')
     with pytest.raises(EaseoffError, match=r"misses it by up to .* free other settings"):
         design_case(parse_design(poor))
 
@@ -216,7 +217,7 @@ MISTAKES = {
     "unknown key": (r"^gear_face_width", "gear_width", ["blank_design.gear_width", "known are", "gear_face_width"]),
     "missing value": (r"^gear_outer_pitch_diameter.*$", "", ["[blank_design]", "gear_outer_pitch_diameter"]),
     "a hand like neither": (r'"left"', '"up"', ["pinion.hand_of_spiral", "up"]),
-    "no target": (r"^\[target.coast\]$", "[target.other]", ["target.coast", "missing"]),
+    "no such side": (r"^\[target.coast\]$", "[target.other]", ["target.other", "coast, drive"]),
     "unknown setting": (
         r'^hand_of_spiral = "left"$',
         'hand_of_spiral = "left"\nfree_settings = ["blade"]',

@@ -1,0 +1,114 @@
+"""Drawings typed as they are, with what they omit left out: they are designed, and what was taken is told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from drawings import drawing
+from runs import output_of, refusal_of, text_file
+
+from easeoff import InputError, analyze
+from easeoff.cases import Design, designed_blanks, parse_design, read_case
+from easeoff.study import design_case
+from easeoff.study.design.case_design import SEARCHED
+from easeoff.study.design.design_check import proportion_warnings
+
+AXLE = """easeoff_design = 1
+title = "An axle as drawn"
+[pair]
+hypoid_offset = 36.0
+[blank_design]
+gear_outer_pitch_diameter = 232.0
+gear_face_width = 37.0
+cutter_radius = 95.25
+pinion_mean_spiral_angle = 48.0
+nominal_drive_pressure_angle = 19.0
+nominal_coast_pressure_angle = 19.0
+[pinion]
+number_of_teeth = 12
+hand_of_spiral = "left"
+[gear]
+number_of_teeth = 37
+"""
+
+
+def on_shells(design: Design) -> Design:
+    """For teeth as shells, whose check is a short one."""
+    return design.model_copy(update={"compliance": design.compliance.model_copy(update={"model": "shell"})})
+
+
+def test_a_drawing_is_designed_as_it_is_and_every_value_taken_is_told(tmp_path: Path) -> None:
+    text = AXLE + '[compliance]\nmodel = "shell"\n'
+    design = parse_design(text)
+    said = output_of("design", text_file(tmp_path / "axle.toml", text), "-o", tmp_path / "case.toml")
+    lines = [line.strip() for line in said.splitlines()]
+    assert all("blade has an angle of" in line for line in lines if "Warning" in line)
+    assert [line for line in lines if line in set(map(str, design.defaults))] == list(map(str, design.defaults))
+    assert "depth_factor = 2 (ISO 23509:2016, C.3.2.1)" in lines
+    assert "target.coast.profile_crowning = 37.6 (rule of this package)" in lines
+    assert 'gear.generation = "formate" (pitch angle of the gear)' in lines
+    case = read_case(tmp_path / "case.toml")
+    assert case.target.drive == design.target.drive
+    assert case.target.drive is not None
+    assert case.target.drive.lengthwise_crowning == 74.0
+
+
+def test_an_empty_target_still_means_a_conjugate_pinion() -> None:
+    design = parse_design(AXLE + "[target.drive]\n")
+    assert (design.target.drive.lengthwise_crowning, design.target.coast.lengthwise_crowning) == (0.0, 74.0)
+
+
+def test_a_design_in_inches_is_refused_at_once(tmp_path: Path) -> None:
+    in_inches = {"36.0": "1.42", "232.0": "9.134", "= 37.0": "= 1.457", "95.25": "3.75"}
+    text = AXLE
+    for length, inches in in_inches.items():
+        text = text.replace(length, inches)
+    said = refusal_of("design", text_file(tmp_path / "inches.toml", text), "-o", tmp_path / "case.toml")
+    assert "gear_outer_pitch_diameter = 9.134: lengths must be in mm" in said
+    assert "9.134 in is 232.004 mm" in said
+
+
+def test_all_that_a_drawing_must_give_is_named_at_once() -> None:
+    text = AXLE.replace("gear_outer_pitch_diameter = 232.0\n", "").replace("pinion_mean_spiral_angle = 48.0\n", "")
+    with pytest.raises(InputError, match=r"pinion_mean_spiral_angle is missing.*gear_outer_pitch_diameter is missing"):
+        parse_design(text)
+
+
+def test_proportions_out_of_the_customary_range_are_warned_of() -> None:
+    text = AXLE.replace("gear_face_width = 37.0", "gear_face_width = 60.0").replace("48.0", "62.0")
+    design, usual = parse_design(text), parse_design(AXLE)
+    blank = designed_blanks(design.blank_design, (12, 37), design.pair)
+    face, spiral, *others = proportion_warnings(blank, 50.0)
+    assert "gear_face_width = 60 mm is" in face
+    assert "the pinion's mean spiral angle of 61.9 degrees is large" in spiral
+    assert "cutter_radius = 50 mm is 0.5" in others[-1]
+    assert list(proportion_warnings(designed_blanks(usual.blank_design, (12, 37), usual.pair), 95.25)) == []
+
+
+@pytest.mark.thorough
+def test_another_taper_is_searched_for_where_the_usual_one_has_no_tooth() -> None:
+    """And not where the file gives it."""
+    text = AXLE.replace("37.0\n", "4.3\n", 1).replace("232.0", "25.1").replace("36.0", "4.9").replace("48.0", "54.0")
+    text = text.replace("95.25", "13.97").replace("number_of_teeth = 12", "number_of_teeth = 7")
+    text = text.replace("number_of_teeth = 37", "number_of_teeth = 18").replace("[pair]", "[pair]\nshaft_angle = 78.0")
+    _, report = design_case(on_shells(parse_design(text)))
+    assert [each.name for each in report.defaults if each.source == SEARCHED] == ["depth_taper"]
+
+
+#: Of drawings of seed 11; each takes some ten seconds.
+GROUPS = [range(start, 50, 10) for start in range(10)]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("group", GROUPS, ids=lambda group: f"from-{group[0]}")
+def test_drawings_as_typed_are_analysed(group: range) -> None:
+    """At first, without a change."""
+    for number in group:
+        text = drawing(11, number)
+        case, report = design_case(parse_design(text))
+        assert report.analysable, text
+        contact = case.contact.model_copy(update={"mesh_positions": 4})
+        tree = analyze(case.model_copy(update={"contact": contact}))
+        assert np.all(tree["loaded"]["status"] == 0), text
