@@ -227,7 +227,7 @@ def tooth_surface(
     if np.any(tips <= 0.0):
         raise GeometryError(
             f"the {member}'s tooth is pointed: its flanks meet below the tip on {100 * np.mean(tips <= 0):.0f} % of "
-            "the face; lower the face cone or make the tooth thicker"
+            "the face; a smaller depth_factor of a design, or face_angle of a blank, lowers its tip"
         )
     pitch = 2.0 * np.pi / which.teeth
     roots = pitch - _between(front.fillet[:, :, 0], back.fillet[:, :, 0], turn)

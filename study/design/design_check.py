@@ -464,7 +464,8 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
         warnings += [f"{side}: {text}" for text in off_the_root("pinion", item.root_gap, clearance, f"; {advice}")]
     messages = unfinished_teeth(designed.pair(), design.compliance.model)
-    unfinished = [text + _advice(design, designed, name) for name, text in messages]
+    unfinished = [text + _advice(design, designed, name, text) for name, text in messages]
+    analysable = not unfinished or design.compliance.model == "shell"
     spaces = _spaces(design, designed)
     warnings += [
         *narrow_top_lands(designed.pair(), designed.blank.mean_normal_module),
@@ -478,7 +479,7 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         warnings += limit_pressure_angle_advice(basic_data, designed.blank)
         warnings += [*cutter_radius_advice(basic_data, designed.blank), *formate_advice(design, designed.blank)]
     warnings += [*small_target_advice(design), *offset_advice(design, basic_data)]
-    return DesignReport(designed.blank, sides, tuple(warnings), not unfinished, spaces, design.defaults)
+    return DesignReport(designed.blank, sides, tuple(warnings), analysable, spaces, design.defaults)
 
 
 def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
@@ -490,18 +491,31 @@ def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
     return None
 
 
-def _advice(design: Design, designed: PairDesign, name: MemberName) -> str:
+#: Changes of basic data that help pinion and gear, by a word of what is wrong with a tooth; the last is a narrow slot.
+TOOTH_ADVICE: Mapping[str, tuple[str, str]] = {
+    "pointed": (
+        "a smaller depth_factor or a larger gear_mean_addendum_factor",
+        "a smaller depth_factor or gear_mean_addendum_factor",
+    ),
+    "undercut": (
+        "a smaller gear_mean_addendum_factor, larger pressure angles or more teeth",
+        "a larger gear_mean_addendum_factor, larger pressure angles or more teeth",
+    ),
+    "": (
+        "a smaller depth_factor, clearance_factor or thickness_factor",
+        "a smaller depth_factor or clearance_factor, or a larger thickness_factor",
+    ),
+}
+
+
+def _advice(design: Design, designed: PairDesign, name: MemberName, text: str) -> str:
     """Advice for a member other than a smaller edge radius."""
     if getattr(design, name).tool_edge_radius is not None:
         return ""
+    advice = next(words for word, words in TOOTH_ADVICE.items() if word in text)[BOTH_MEMBERS.index(name)]
     blade = (designed.gear[0] if name == "gear" else designed.pinion["drive"].surface).blade
     smallest = slot_width.REDUCTIONS[-1] * blade.edge_radius
-    return (
-        f"; edge radii from {blade.edge_radius:.3g} down to {smallest:.2g} mm were tried, so "
-        "change the blanks: depth_taper, cutter_radius, thickness_factor or clearance_factor against a narrow slot, "
-        "gear_mean_addendum_factor (or profile_shift_coefficient), the pressure angles or more teeth against undercut, "
-        "a larger gear_mean_addendum_factor or thickness_factor against a pointed pinion"
-    )
+    return f"; edge radii from {blade.edge_radius:.3g} down to {smallest:.2g} mm were tried; {advice} helps"
 
 
 def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -95,6 +96,47 @@ def test_another_taper_is_searched_for_where_the_usual_one_has_no_tooth() -> Non
     text = text.replace("number_of_teeth = 37", "number_of_teeth = 18").replace("[pair]", "[pair]\nshaft_angle = 78.0")
     _, report = design_case(on_shells(parse_design(text)))
     assert [each.name for each in report.defaults if each.source == SEARCHED] == ["depth_taper"]
+
+
+POINTED = """easeoff_design = 1
+title = "A pointed pinion, hobbed, with proportions of its own"
+[blank_design]
+gear_outer_pitch_diameter = 50.7
+gear_face_width = 7.4
+cutter_radius = 25.0
+number_of_blade_groups = 5
+gear_mean_spiral_angle = 30.0
+gear_mean_addendum_factor = 0.21
+depth_factor = 2.0
+thickness_factor = 0.05
+[pinion]
+number_of_teeth = 7
+hand_of_spiral = "right"
+method = "closest_fit"
+[gear]
+number_of_teeth = 28
+generation = "formate"
+"""
+
+
+@pytest.mark.thorough
+def test_the_changes_that_a_message_names_help_a_pointed_pinion() -> None:
+    """Each alone; and the model that needs no whole tooth takes the pinion as it is."""
+
+    def pointed(text: str) -> tuple[bool, int]:
+        """If it can be analysed, and the share of the face that is pointed [%]."""
+        report = design_case(parse_design(text))[1]
+        messages = [each for each in report.warnings if "tooth is pointed" in each]
+        assert all("a smaller depth_factor or a larger gear_mean_addendum_factor helps" in each for each in messages)
+        return report.analysable, sum(int(re.findall(r"on (\d+) % of the face", each)[0]) for each in messages)
+
+    analysable, share = pointed(POINTED)
+    assert not analysable
+    assert pointed(POINTED.replace("factor = 0.21", "factor = 0.33"))[1] < 0.3 * share
+    assert pointed(POINTED.replace("depth_factor = 2.0", "depth_factor = 1.7")) == (True, 0)
+    case, report = design_case(parse_design(POINTED + '[compliance]\nmodel = "shell"\n'))
+    assert report.analysable
+    assert np.all(analyze(case)["loaded"]["status"] == 0)
 
 
 #: Of drawings of seed 11; each takes some ten seconds.
