@@ -52,6 +52,8 @@ def pytest_configure(config: pytest.Config) -> None:
 
 #: Pairs, and teeth, whose geometry is kept by a worker.
 GEOMETRY_COUNT = 50
+#: Middles of teeth, of one node each.
+MIDDLE_COUNT = 1000
 #: Of the thorough items one in so many is run by ``.ci/run``.
 CI_SHARE = 5
 
@@ -73,11 +75,17 @@ def shared_geometry() -> Iterator[None]:
     from shared import Shared, replace_everywhere
 
     from easeoff.geometry.pair.gear_pair import pair_geometry
-    from easeoff.geometry.pair.tooth_body import tooth_body
+    from easeoff.geometry.pair.tooth_body import middle_angle, tooth_body
+    from easeoff.geometry.pair.tooth_thickness import _mean_flanks
+    from easeoff.geometry.tooth.tooth_surface import tooth_side
 
+    computed: dict[Callable[..., Any], int] = {
+        **dict.fromkeys((pair_geometry, tooth_body, tooth_side), GEOMETRY_COUNT),
+        **dict.fromkeys((middle_angle, _mean_flanks), MIDDLE_COUNT),
+    }
     with pytest.MonkeyPatch.context() as patch:
-        for compute in (pair_geometry, tooth_body):
-            replace_everywhere(patch, compute, Shared(GEOMETRY_COUNT).once(compute))
+        for compute, count in computed.items():
+            replace_everywhere(patch, compute, Shared(count).once(compute))
         yield
 
 
