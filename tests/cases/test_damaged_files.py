@@ -23,7 +23,6 @@ from click.testing import Result
 from lacking import Damage, damaged, damages
 from netCDF4 import Dataset
 from runs import SHELLS, call, in_copies, output_of, refusal_of, small_text, text_file
-from shared import Shared, replace_everywhere
 from sweeps import CASE as SWEPT, analyse_points_once
 
 import easeoff
@@ -32,7 +31,6 @@ from easeoff.cases import case_text, gear_pair, parse_case, read_case, read_rexs
 from easeoff.contact import STEEL, ContactProblem, read_npz, read_problems, write_problems
 from easeoff.contact.compliance.finite_elements.array_store import kept, key_of
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import finite_element_tooth
-from easeoff.contact.compliance.finite_elements.tooth_ring import body_modes
 from easeoff.contact.problem.exchange.programme_file import write_npz
 from easeoff.core import forked_process, netcdf_file
 from easeoff.core.checkpoint import Checkpoint
@@ -874,15 +872,10 @@ def test_a_kept_tooth_that_is_not_what_was_kept_is_made_anew(tmp_path: Path, mon
 # All that is kept from one run to the next: teeth, batches of a sweep, measurements, rows of a study
 
 
-#: Modes of the body, which are not what is kept, but made for it.
-MODES_ONCE = Shared().once(body_modes)
-
-
 def tooth(folder: Path) -> object:
-    """The numbers of a coarse tooth."""
+    """The numbers of a coarse tooth. The modes of its body, which are not what is kept, are shared by all tests."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("EASEOFF_CACHE", str(folder))
-        replace_everywhere(patch, body_modes, MODES_ONCE)
         made = finite_element_tooth(gear_pair(read_case("nasa-12x36")), "gear", STEEL, fineness=0.25)
     return made.flank.factor
 
