@@ -172,6 +172,7 @@ def test_many_mistakes_and_long_values_make_a_short_message(tmp_path: Path) -> N
     assert "whole number of too" in shown(10**10000) or len(shown(10**10000)) < 200
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("drawn", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_keys_titles_and_paths_do_not_steer_the_terminal(tmp_path: Path, files: Path, drawn: bool) -> None:
     path = text_file(tmp_path / f"{ESCAPE}.toml", small_text(more=SHELLS + '"\\u001b[2J\\u009b\\u202e\\nfake" = 1\n'))
@@ -217,6 +218,7 @@ CHANGES: dict[str, Callable[[Dataset], object]] = {
 }
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_result_that_lacks_something_is_refused(tmp_path: Path, files: Path, change: str) -> None:
@@ -225,6 +227,7 @@ def test_a_result_that_lacks_something_is_refused(tmp_path: Path, files: Path, c
     assert os.listdir(tmp_path) == ["r.nc"]
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize(
     "attributes",
     [
@@ -324,6 +327,7 @@ def test_types_of_its_own_are_refused(tmp_path: Path) -> None:
             read_tree(path)
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_a_dimension_twice_is_refused_but_in_contact_problems(tmp_path: Path, files: Path) -> None:
     path = tmp_path / "twice.nc"
     with Dataset(path, "w") as file:
@@ -389,6 +393,7 @@ WEAR_CHANGES: dict[str, Callable[[Dataset], object]] = {
 }
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_a_file_of_wear_that_lacks_something_is_refused(tmp_path: Path, files: Path) -> None:
     pair = gear_pair(read_case(files / "case.toml"))
     for number, change in enumerate(WEAR_CHANGES.values()):
@@ -417,6 +422,7 @@ PROBLEM_CHANGES: dict[str, Callable[[Dataset], object]] = {
 }
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("change", PROBLEM_CHANGES)
 def test_contact_problems_that_lack_something_are_refused_or_read(tmp_path: Path, files: Path, change: str) -> None:
     path = spoilt(files / "problems.nc", tmp_path / "p.nc", PROBLEM_CHANGES[change])
