@@ -48,10 +48,13 @@ settings.load_profile("alike")
 def pytest_configure(config: pytest.Config) -> None:
     """Hand files to the workers by name: by their number of tests, the longest would come among the last."""
     config.option.loadscopereorder = False
+    config.add_cleanup(gc.unfreeze)  # in the end: compiled libraries count what is left at the end of a process
 
 
 #: Pairs, and teeth, whose geometry is kept by a worker.
 GEOMETRY_COUNT = 50
+#: Middles of teeth, of one node each.
+MIDDLE_COUNT = 1000
 #: Of the thorough items one in so many is run by ``.ci/run``.
 CI_SHARE = 5
 
@@ -72,12 +75,20 @@ def shared_geometry() -> Iterator[None]:
     """Compute the geometry of a pair, and of a tooth in any pair, once: frozen, it depends on the arguments alone."""
     from shared import Shared, replace_everywhere
 
+    from easeoff.contact.compliance.finite_elements.tooth_ring import body_modes
+    from easeoff.geometry.pair.ease_off import exact_ease_off
     from easeoff.geometry.pair.gear_pair import pair_geometry
-    from easeoff.geometry.pair.tooth_body import tooth_body
+    from easeoff.geometry.pair.tooth_body import middle_angle, tooth_body
+    from easeoff.geometry.pair.tooth_thickness import _mean_flanks
+    from easeoff.geometry.tooth.tooth_surface import tooth_side
 
+    computed: dict[Callable[..., Any], int] = {
+        **dict.fromkeys((pair_geometry, exact_ease_off, tooth_body, tooth_side, body_modes), GEOMETRY_COUNT),
+        **dict.fromkeys((middle_angle, _mean_flanks), MIDDLE_COUNT),
+    }
     with pytest.MonkeyPatch.context() as patch:
-        for compute in (pair_geometry, tooth_body):
-            replace_everywhere(patch, compute, Shared(GEOMETRY_COUNT).once(compute))
+        for compute, count in computed.items():
+            replace_everywhere(patch, compute, Shared(count).once(compute))
         yield
 
 
@@ -161,5 +172,6 @@ def pytest_collection_finish() -> None:
 
 
 def pytest_unconfigure() -> None:
-    """Let it see everything again: compiled libraries count what is left at the end of a process."""
-    gc.unfreeze()
+    """Let it pass once over what the tests leave, for pytest, which looks more than once for what went wrong in it."""
+    gc.collect()
+    gc.freeze()

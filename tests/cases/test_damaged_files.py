@@ -23,7 +23,6 @@ from click.testing import Result
 from lacking import Damage, damaged, damages
 from netCDF4 import Dataset
 from runs import SHELLS, call, in_copies, output_of, refusal_of, small_text, text_file
-from shared import Shared, replace_everywhere
 from sweeps import CASE as SWEPT, analyse_points_once
 
 import easeoff
@@ -32,7 +31,6 @@ from easeoff.cases import case_text, gear_pair, parse_case, read_case, read_rexs
 from easeoff.contact import STEEL, ContactProblem, read_npz, read_problems, write_problems
 from easeoff.contact.compliance.finite_elements.array_store import kept, key_of
 from easeoff.contact.compliance.finite_elements.finite_element_tooth import finite_element_tooth
-from easeoff.contact.compliance.finite_elements.tooth_ring import body_modes
 from easeoff.contact.problem.exchange.programme_file import write_npz
 from easeoff.core import forked_process, netcdf_file
 from easeoff.core.checkpoint import Checkpoint
@@ -174,6 +172,7 @@ def test_many_mistakes_and_long_values_make_a_short_message(tmp_path: Path) -> N
     assert "whole number of too" in shown(10**10000) or len(shown(10**10000)) < 200
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("drawn", [False, pytest.param(True, marks=pytest.mark.thorough)])
 def test_keys_titles_and_paths_do_not_steer_the_terminal(tmp_path: Path, files: Path, drawn: bool) -> None:
     path = text_file(tmp_path / f"{ESCAPE}.toml", small_text(more=SHELLS + '"\\u001b[2J\\u009b\\u202e\\nfake" = 1\n'))
@@ -219,6 +218,7 @@ CHANGES: dict[str, Callable[[Dataset], object]] = {
 }
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.quick(4)
 @pytest.mark.parametrize("change", CHANGES)
 def test_a_result_that_lacks_something_is_refused(tmp_path: Path, files: Path, change: str) -> None:
@@ -227,6 +227,7 @@ def test_a_result_that_lacks_something_is_refused(tmp_path: Path, files: Path, c
     assert os.listdir(tmp_path) == ["r.nc"]
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize(
     "attributes",
     [
@@ -326,6 +327,7 @@ def test_types_of_its_own_are_refused(tmp_path: Path) -> None:
             read_tree(path)
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_a_dimension_twice_is_refused_but_in_contact_problems(tmp_path: Path, files: Path) -> None:
     path = tmp_path / "twice.nc"
     with Dataset(path, "w") as file:
@@ -391,6 +393,7 @@ WEAR_CHANGES: dict[str, Callable[[Dataset], object]] = {
 }
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_a_file_of_wear_that_lacks_something_is_refused(tmp_path: Path, files: Path) -> None:
     pair = gear_pair(read_case(files / "case.toml"))
     for number, change in enumerate(WEAR_CHANGES.values()):
@@ -419,6 +422,7 @@ PROBLEM_CHANGES: dict[str, Callable[[Dataset], object]] = {
 }
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("change", PROBLEM_CHANGES)
 def test_contact_problems_that_lack_something_are_refused_or_read(tmp_path: Path, files: Path, change: str) -> None:
     path = spoilt(files / "problems.nc", tmp_path / "p.nc", PROBLEM_CHANGES[change])
@@ -874,15 +878,10 @@ def test_a_kept_tooth_that_is_not_what_was_kept_is_made_anew(tmp_path: Path, mon
 # All that is kept from one run to the next: teeth, batches of a sweep, measurements, rows of a study
 
 
-#: Modes of the body, which are not what is kept, but made for it.
-MODES_ONCE = Shared().once(body_modes)
-
-
 def tooth(folder: Path) -> object:
-    """The numbers of a coarse tooth."""
+    """The numbers of a coarse tooth. The modes of its body, which are not what is kept, are shared by all tests."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setenv("EASEOFF_CACHE", str(folder))
-        replace_everywhere(patch, body_modes, MODES_ONCE)
         made = finite_element_tooth(gear_pair(read_case("nasa-12x36")), "gear", STEEL, fineness=0.25)
     return made.flank.factor
 

@@ -291,6 +291,7 @@ def test_rows_that_do_not_differ_are_a_constant_misalignment(case: Case) -> None
     np.testing.assert_array_equal(constant["misalignment/offset"].values, np.full((2, 3), 0.04))
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_modified_ease_offs_and_deviating_flanks_go_into_every_assembly(case: Case, tmp_path: Path) -> None:
     known: dict[str, Any] = {"modification": Modification({"lengthwise_crowning": 8.0, "bias": -3.0})}
     worn = tmp_path / "worn.nc"

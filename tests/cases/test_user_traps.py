@@ -270,6 +270,7 @@ def test_an_oil_with_a_number_no_float_holds_is_refused(tmp_path: Path) -> None:
         lubricant(tmp_path / "oil.toml")
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_a_result_without_a_title_is_shown(result: Path, tmp_path: Path) -> None:
     path = Path(shutil.copy(result, tmp_path / "x.nc"))
     with Dataset(path, "a") as file:
@@ -277,6 +278,7 @@ def test_a_result_without_a_title_is_shown(result: Path, tmp_path: Path) -> None
     assert result_summary(easeoff.read_result(path)).startswith("untitled\n========\n")
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_a_result_file_that_was_changed_is_refused_with_what_it_lacks(result: Path, tmp_path: Path) -> None:
     path = Path(shutil.copy(result, tmp_path / "x.nc"))
     with Dataset(path, "a") as file:

@@ -245,6 +245,7 @@ def test_the_case_it_was_made_for_takes_it(file: Path) -> None:
         np.testing.assert_allclose(found[member].value, last[index], rtol=0, atol=1e-12)
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_loads_friction_assembly_and_small_corrections_make_no_difference(file: Path) -> None:
     """A machine angle 0.005 degrees off moves the flank by hundredths of a millimetre: the wear is still its own."""
     data = small_case().model_dump() | {"friction": {"speed": 800.0}}
@@ -266,6 +267,7 @@ def test_a_flank_turned_about_its_axis_is_the_same(file: Path, tmp_path: Path) -
     assert set(used(tmp_path / "turned.nc", small_case())) == set(MEMBERS)
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize(
     "keys",
     [
@@ -304,6 +306,7 @@ def test_a_file_that_does_not_say_is_refused(file: Path, tmp_path: Path, lost: s
         used(tmp_path / "old.nc", small_case())
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("command", ["run", "correct", "wear"])
 def test_every_command_refuses_it_and_leaves_nothing(file: Path, tmp_path: Path, command: str) -> None:
     out = tmp_path / "out.nc"

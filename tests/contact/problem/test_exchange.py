@@ -143,6 +143,7 @@ def stored(tmp_path_factory: pytest.TempPathFactory) -> dict[str, xr.Dataset]:
     return found
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize(
     ("change", "word"),
     [
@@ -316,6 +317,7 @@ def test_what_does_not_belong_to_the_problems_is_left_alone(tmp_path: Path) -> N
     assert labels["load"].tolist() == [0.0, 0.5, 1.0, 1.5, 2.0]
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize(
     ("name", "units"),
     [("compliance", "mm N-1"), ("compliance", "mm / N"), ("torque", "N*mm"), ("torque", "N.mm"), ("lever_arm", "mm")],

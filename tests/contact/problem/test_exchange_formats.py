@@ -69,6 +69,7 @@ def labelled_set() -> ProblemSet:
     return ProblemSet(chosen, labels, [solve(problem).answer for problem in chosen])
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize("format", SINGLE)
 def test_single_problems_come_back_to_the_bit(tmp_path: Path, format: str) -> None:
     given = every_class()
@@ -354,6 +355,7 @@ def test_other_matrices_of_fclib_are_read(tmp_path: Path, kind: str) -> None:
     assert read_fclib(path)[0].identical(problem)
 
 
+@pytest.mark.usefixtures("reading_here")
 @pytest.mark.parametrize(
     ("name", "value", "words"),
     [

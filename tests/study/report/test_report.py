@@ -324,6 +324,7 @@ def file(coast: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.usefixtures("reading_here")
 def test_the_command_names_results_by_their_files(file: Path, tmp_path: Path) -> None:
     output = tmp_path / "r.html"
     files = [shutil.copy(file, tmp_path / name) for name in ("before.nc", "after.nc")]
