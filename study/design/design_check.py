@@ -512,7 +512,10 @@ def _advice(design: Design, designed: PairDesign, name: MemberName, text: str) -
     """Advice for a member other than a smaller edge radius."""
     if getattr(design, name).tool_edge_radius is not None:
         return ""
-    advice = next(words for word, words in TOOTH_ADVICE.items() if word in text)[BOTH_MEMBERS.index(name)]
+    word, words = next((word, words) for word, words in TOOTH_ADVICE.items() if word in text)
+    advice = words[BOTH_MEMBERS.index(name)]
+    if not word and design.blank_design.process == "face_milled" and design.blank_design.depth_taper == "uniform":
+        advice = f'depth_taper = "modified_slot_width", or {advice}'
     blade = (designed.gear[0] if name == "gear" else designed.pinion["drive"].surface).blade
     smallest = slot_width.REDUCTIONS[-1] * blade.edge_radius
     return f"; edge radii from {blade.edge_radius:.3g} down to {smallest:.2g} mm were tried; {advice} helps"

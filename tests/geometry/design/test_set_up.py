@@ -34,6 +34,7 @@ from easeoff.geometry.design.set_up_fit import MeanSlot, along_the_root, set_up_
 from easeoff.geometry.design.synthesis import root_gap
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.study import DesignReport, design_case
+from easeoff.study.design.case_design import SEARCHED
 
 METHODS: tuple[SetUpMethod, ...] = ("fixed_setting", "modified_roll", "tilt", "completing")
 SIDES: tuple[FlankName, ...] = ("drive", "coast")
@@ -225,8 +226,14 @@ def test_limits_hold_and_are_told() -> None:
 
 @pytest.mark.thorough
 def test_a_method_that_cannot_reach_its_target_is_refused_with_advice() -> None:
+    """With the Formate gear that the file asks for; one that leaves the gear open gets a generated one."""
+    text = with_method("fixed_setting", name="fm-11x41")
+    formate = text.replace("[gear]", '[gear]\ngeneration = "formate"')
     with pytest.raises(GeometryError, match=r'drive: .* misses it by up to .* take method = "modified_roll" or "tilt"'):
-        shop_case("fixed_setting", "fm-11x41")
+        design_case(parse_design(formate))
+    case, report = shop_case("fixed_setting", "fm-11x41")
+    assert [each.name for each in report.defaults if each.source == SEARCHED] == ["gear.generation"]
+    assert case.gear.convex is not None
 
 
 @pytest.mark.parametrize(
