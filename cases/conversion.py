@@ -62,9 +62,9 @@ def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTabl
             f"pinion.number_of_teeth = {teeth[0]}: must be at most gear.number_of_teeth = {teeth[1]}; the pinion has "
             "the fewer teeth"
         )
+    whole = table.completed(teeth, pair.shaft_angle, pair.hypoid_offset)
+    values = {key: value for key, value in in_radians(whole).items() if not key.endswith("_mean_spiral_angle")}
     with errors_about("[blank_design]"):
-        whole = table.completed(teeth, pair.shaft_angle, pair.hypoid_offset)
-        values = {key: value for key, value in in_radians(whole).items() if not key.endswith("_mean_spiral_angle")}
         return BlankDesign(
             number_of_teeth=teeth,
             mean_spiral_angle=math.radians(whole.mean_spiral_angle),

@@ -7,6 +7,7 @@ from typing import Any, Literal, Self
 
 from pydantic import PrivateAttr, model_validator
 
+from ...core.errors import InputError
 from ...geometry.design.iso23509.usual_proportions import DefaultValue, usual_proportions
 from .schema_table import Table, in_radians, key, number, optional
 
@@ -99,7 +100,7 @@ class BlankDesignTable(Table):
         return copy
 
     def completed(self, teeth: tuple[int, int], shaft_angle: float, hypoid_offset: float) -> Self:
-        """The table with values for what is left out; a `ValueError` names what a drawing must give.
+        """The table with values for what is left out; an `InputError` names what a drawing must give.
 
         Shaft angle [deg], offset [mm]; teeth of pinion and gear.
         """
@@ -115,7 +116,7 @@ class BlankDesignTable(Table):
         missing = [name for name in needed if getattr(whole, name) is None]
         mistakes += [f"{name} is missing: method {whole.method} needs it" for name in missing]
         if mistakes:
-            raise ValueError("[blank_design] " + "; ".join(mistakes))
+            raise InputError("[blank_design] " + "; ".join(mistakes))
         return whole
 
     def tooth_size(self, teeth: tuple[int, int]) -> tuple[float, float]:

@@ -96,7 +96,7 @@ def _alternatives(design: Design) -> Iterator[Design]:
     if design.pinion.model_fields_set.isdisjoint(("method", "limits", "free_settings", "follow_root")):
         left_out.add("pinion.method")
     for name, value in ALTERNATIVES:
-        now = getattr(design.blank_design, name) if "." not in name else attrgetter(name)(design)
+        now = attrgetter(name if "." in name else f"blank_design.{name}")(design)
         if name not in left_out or now == value:
             continue
         if name == "depth_taper" and design.blank_design.process == "face_hobbed":

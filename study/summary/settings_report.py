@@ -54,9 +54,9 @@ def design_report(report: DesignReport) -> str:
     if report.spaces is not None:
         head, *rows = report.spaces.rows()
         parts.append(Table(head, rows, title="Teeth and slots").text())
-    return "\n\n".join(
-        [*parts, *(["\n".join(default_lines(report))] if report.defaults else []), *warning_lines(report)]
-    )
+    if report.defaults:
+        parts.append("\n".join(default_lines(report)))
+    return "\n\n".join([*parts, *warning_lines(report)])
 
 
 def summary_lines(report: DesignReport) -> list[str]:

@@ -12,6 +12,8 @@ from runs import output_of, refusal_of, text_file
 
 from easeoff import InputError, analyze
 from easeoff.cases import Design, designed_blanks, parse_design, read_case
+from easeoff.cases.schema.blank_design_table import BlankDesignTable
+from easeoff.cases.schema.case_schema import PairTable
 from easeoff.study import design_case
 from easeoff.study.design.case_design import SEARCHED
 from easeoff.study.design.design_check import proportion_warnings
@@ -75,6 +77,8 @@ def test_all_that_a_drawing_must_give_is_named_at_once() -> None:
     text = AXLE.replace("gear_outer_pitch_diameter = 232.0\n", "").replace("pinion_mean_spiral_angle = 48.0\n", "")
     with pytest.raises(InputError, match=r"pinion_mean_spiral_angle is missing.*gear_outer_pitch_diameter is missing"):
         parse_design(text)
+    with pytest.raises(InputError, match=r"^\[blank_design\] gear_mean_spiral_angle is missing"):
+        designed_blanks(BlankDesignTable(cutter_radius=95.25), (12, 37), PairTable())
 
 
 def test_proportions_out_of_the_customary_range_are_warned_of() -> None:
