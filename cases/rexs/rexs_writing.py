@@ -87,7 +87,16 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     gear = _write_member(file, "gear", case.gear, opposite(hand), notes)
     file.relation("stage", stage=stage, gear_1=pinion, gear_2=gear)
 
-    for name in ("description", "corrected_flanks", "contact", "compliance", "friction", "target", "load_cases"):
+    for name in (
+        "description",
+        "corrected_flanks",
+        "contact",
+        "compliance",
+        "friction",
+        "target",
+        "drawing",
+        "load_cases",
+    ):
         if getattr(case, name) != Case.model_fields[name].default:
             notes.append(f"{name}: left out, REXS cannot hold it")
     if case.misalignment.deflections:

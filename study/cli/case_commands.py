@@ -98,12 +98,14 @@ def oil(output: Path, **numbers: Any) -> None:
 @option.case()
 @option.output("Sheet to write, .txt, .html or .rexs.")
 @option.resolution
-def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None:
-    """Write the summary sheet of a case: what an operator sets.
+@click.option("--without-vh", is_flag=True, help="Leave out the V-H check of both sides, which takes some seconds.")
+def sheet(case: str, output: Path, resolution: MachineResolution | None, without_vh: bool) -> None:
+    """Write the summary sheet of a case: what a shop makes, inspects and sets.
 
-    Blanks, cutters and machine settings of every flank, rounded to the resolution of the machine, with what rounding
-    changes of the ease-off, and what is doubtful of teeth and set-ups; as REXS blanks and rounded settings alone. The
-    case stays as it is; 'easeoff design --round' writes rounded settings into a case.
+    Blanks, teeth, backlash, tolerances by the accuracy grade in [drawing], cutters and machine settings of every flank,
+    rounded to the resolution of the machine, with what rounding changes of the ease-off, what is doubtful of teeth and
+    set-ups, and the V-H check of both sides; as REXS blanks and rounded settings alone. The case stays as it is;
+    'easeoff design --round' writes rounded settings into a case.
     """
     quick_start()
     from ...cases import read_case, write_rexs
@@ -111,13 +113,18 @@ def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None
     from ...core.output_file import whole_file
     from ..design.rounded_settings import rounded_case
     from ..summary.summary_sheet import summary_sheet
+    from ..vh import vh_check
 
     check_output(output, case)
     suffix = output.suffix.lower()
     if suffix not in (".txt", ".html", ".rexs"):
         raise InputError(f"{output}: suffix = {output.suffix!r}: must be .txt, .html or .rexs")
     checked = read_case(case, allow_outside=outside_allowed())
-    made = summary_sheet(checked, resolution)
+    vh_checks = {}
+    if not without_vh and suffix != ".rexs":
+        for flank in checked.flanks:
+            vh_checks[flank] = vh_check(checked, flank=flank, progress=True)
+    made = summary_sheet(checked, resolution, vh_checks=vh_checks)
     if suffix == ".rexs":
         for note in write_rexs(with_blanks(rounded_case(checked, resolution)), output):
             echo(note)

@@ -18,7 +18,14 @@ from ...core.arrays import Bools
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
 from ..result import CONDITIONS, PATTERN
-from .assembly import deflection_tables, misalignment_over_torque, misalignment_words, supports_tables, supports_words
+from .assembly import (
+    backlash_words,
+    deflection_tables,
+    misalignment_over_torque,
+    misalignment_words,
+    supports_tables,
+    supports_words,
+)
 from .plausibility import doubts, executed_settings
 from .quantities import FRICTION, LOADED_ROWS, NO_VALUE, ROLLING_SHARE, ROOT_STRESS, Quantity, roughness_words, written
 from .table import ROW_COUNT_LIMIT, WIDTH, Table, summary_text, underlined
@@ -286,6 +293,7 @@ def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
         ("deviating flanks", deviations(attrs)),
         ("modified ease-off", modification(attrs)),
         ("common flank", f"{shared}, ease-off up to {numbers['max_ease_off'].item():.1f} um"),
+        ("backlash", backlash_words(tree)),
         ("model", model_name(attrs)),
         ("solver", solver),
     ]
