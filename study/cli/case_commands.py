@@ -100,9 +100,9 @@ def oil(output: Path, **numbers: Any) -> None:
 @option.resolution
 @click.option("--without-vh", is_flag=True, help="Leave out the V-H check of both sides, which takes some seconds.")
 def sheet(case: str, output: Path, resolution: MachineResolution | None, without_vh: bool) -> None:
-    """Write the summary sheet of a case: what a shop makes, inspects and sets.
+    """Write the summary sheet of a case, for the shop.
 
-    Blanks, teeth, backlash, tolerances by the accuracy grade in [drawing], cutters and machine settings of every flank,
+    What it makes, inspects and sets: blanks, teeth, backlash, tolerances by the accuracy grade in [drawing], cutters and machine settings of every flank,
     rounded to the resolution of the machine, with what rounding changes of the ease-off, what is doubtful of teeth and
     set-ups, and the V-H check of both sides; as REXS blanks and rounded settings alone. The case stays as it is;
     'easeoff design --round' writes rounded settings into a case.

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,7 +16,7 @@ from ...cases.schema.case_schema import Case, usual_name
 from ...cases.schema.schema_table import extra_of
 from ...cases.writing import with_blanks
 from ...core.attributes import ordered
-from ...core.errors import printable
+from ...core.errors import InputError, printable, suggestion
 from ...geometry.pair.member_names import MEMBERS
 from ..analysis.key_numbers import key_numbers
 from ..result import CONDITIONS
@@ -25,7 +26,38 @@ from ..summary.load_case_summary import duty_lines, load_case_notes, load_case_t
 from ..summary.quantities import Quantity, harmonic, roughness_words
 from ..summary.result_summary import condition_words, end_name
 from ..summary.summary_sheet import described_flanks
-from ..summary.table import with_signs
+from ..summary.table import Table, with_signs
+
+LIMIT = re.compile(r"\s*(\w+)\s*(<=|>=)\s*(\S+)\s*")
+
+
+def limit_table(limits: Sequence[str], results: Mapping[str, xr.DataTree]) -> Table | None:
+    """Table of limits, a row each, with the worst value of every result; ``None`` without limits.
+
+    InputError if one is not of the form ``QUANTITY<=VALUE`` or ``QUANTITY>=VALUE``, with units as the report has them.
+    """
+    numbers = {name: key_numbers(tree) for name, tree in results.items()}
+    rows = []
+    for limit in limits:
+        parts = LIMIT.fullmatch(limit)
+        try:
+            name, sign, value = parts[1], parts[2], float(parts[3])  # type: ignore[index]
+        except (TypeError, ValueError):
+            raise InputError(f"--limit {limit!r}: must be such as 'max_pressure<=1500' or 'efficiency>=96'") from None
+        quantity = quantities.LIMITED.get(name)
+        if quantity is None:
+            near = suggestion(name, quantities.LIMITED)
+            raise InputError(f"--limit {limit!r}: {name} is no number of a report{near}")
+        worst = np.nanmax if sign == "<=" else np.nanmin
+        cells = []
+        for one in numbers.values():
+            values = np.ravel(one[name].values) if name in one else np.full(1, np.nan)
+            found = quantity.factor * float(worst(values)) if np.isfinite(values).any() else math.nan
+            over = found > value if sign == "<=" else found < value
+            cells.append(quantities.written(found, quantity.form) + ": beyond" * over)
+        rows.append((quantity.head, f"{sign} {value:g}", *cells))
+    return Table(("limit", "allowed", *numbers), rows, title="Limits") if rows else None
+
 
 ROW_COUNT_LIMIT = 60  # of the table of efficiencies
 

@@ -110,6 +110,10 @@ UNLOADED = {
     "unloaded_pattern_length": (Quantity("marking print, length", "%", ".0f", 100.0), "unloaded/pattern_length"),
     "unloaded_pattern_height": (Quantity("marking print, height", "%", ".0f", 100.0), "unloaded/pattern_height"),
 }
+BACKLASH = {
+    "least_backlash": Quantity("least normal backlash at the heel", "mm", ".3f"),
+    "greatest_backlash": Quantity("greatest normal backlash at the heel", "mm", ".3f"),
+}
 #: Numbers over the operating conditions, by their variables in ``friction``.
 FRICTION = {
     "mean_friction_coefficient": Quantity("mean friction coefficient", "", ".4f", column="mean\nmu"),
@@ -123,6 +127,14 @@ FRICTION = {
     "mean_rolling_loss": Quantity("of it rolling", "W", ".1f"),
     "efficiency": Quantity("efficiency", "%", ".2f", 100.0, "efficiency\n%"),
 }
+#: Numbers that a report compares with limits, by their names in ``key_numbers``.
+LIMITED = (
+    LOADED_ROWS
+    | {"max_root_stress": ROOT_STRESS}
+    | {name: one for name, (one, _) in UNLOADED.items()}
+    | BACKLASH
+    | FRICTION
+)
 ROLLING_SHARE = Quantity("rolling part of the power loss", "%", ".1f", 100.0, "rolling\npart %")
 #: Numbers of an optimization, by their variables.
 OPTIMIZED = {

@@ -23,6 +23,7 @@ from .assembly import (
     deflection_tables,
     misalignment_over_torque,
     misalignment_words,
+    stored_table,
     supports_tables,
     supports_words,
 )
@@ -285,7 +286,10 @@ def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
     pair = f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion"
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     shared = f"{100 * numbers['common_flank'].item():.0f} % of the gear flank"
+    drawing = stored_table(tree, "drawing")
+    names = {"": drawing.get("drawing_number"), "revision ": drawing.get("revision")}
     head = [
+        ("drawing", ", ".join(f"{name}{value}" for name, value in names.items() if value)),
         ("pair", f"{pair}, {attrs['flank']} flanks"),
         ("misalignment", misaligned),
         ("deflections", str(attrs.get("deflections", ""))),
