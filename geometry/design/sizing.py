@@ -25,13 +25,17 @@ OTHER_TEETH = ((1.0, 1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.0, 7.5, 10.0), (18, 1
 VEHICLE_RATIO = 1.5  # from which the former hold
 FEWEST_BEVEL_TEETH = 7  # without offset
 RATIO_TOLERANCE = 0.02  # within which teeth without a common factor are taken
-#: Radii of face-milling cutters [mm], and of hobs with their blade groups.
-MILLS = (6.35, 13.97, 19.05, 25.4, 34.925, 44.45, 57.15, 63.5, 76.2, 95.25, 114.3, 133.35, 152.4, 203.2, 228.6, 304.8)
+#: Radii of cutters [mm] and their blade groups, 1 of face-milling ones.
+MILLS = (
+    *((6.35, 1), (13.97, 1), (19.05, 1), (25.4, 1), (34.925, 1), (44.45, 1), (57.15, 1), (63.5, 1), (76.2, 1)),
+    *((95.25, 1), (114.3, 1), (133.35, 1), (152.4, 1), (203.2, 1), (228.6, 1), (304.8, 1)),
+)
 HOBS = (
     *((25.0, 5), (30.0, 7), (39.0, 7), (51.0, 7), (64.0, 11), (76.0, 13), (88.0, 13), (88.0, 17), (105.0, 13)),
     *((125.0, 13), (150.0, 17), (175.0, 19), (210.0, 5), (260.0, 5), (350.0, 5), (450.0, 5)),
 )
 CUTTER_RANGE = 2.0  # mean cone distance over cutter radius, or its inverse, at most
+SHARED_FACTOR = 0.25  # relative distance of radii for which hobs are taken whose groups share no factor with the teeth
 LARGEST_PITCH_ANGLE = math.radians(86.0)  # of a gear
 
 
@@ -154,18 +158,23 @@ def _sized(
     gleason = "25 + 5 sqrt(ratio) + 90 offset / diameter: Gleason"
     yield DefaultValue(angle, spiral, gleason if offset else "usual without offset: ANSI/AGMA 2005-D03")
     middle = 0.5 * (diameter / math.sin(gear_pitch_angle(teeth, shaft_angle)) - face.value)
-    fitting = [each for each in HOBS if math.gcd(each[1], teeth[0] * teeth[1]) == 1]
-    cutters = fitting if hobbed else [(radius, 0) for radius in MILLS]
-    radius, groups = min(cutters, key=lambda each: abs(math.log(each[0] / middle)))
+
+    def distance(cutter: tuple[float, int]) -> float:
+        """Of a cutter from the wanted radius, more if its groups have a common factor with the teeth."""
+        return abs(math.log(cutter[0] / middle)) + SHARED_FACTOR * (math.gcd(cutter[1], teeth[0] * teeth[1]) > 1)
+
+    radius, groups = min(HOBS if hobbed else MILLS, key=distance)
     if not 1.0 / CUTTER_RANGE <= radius / middle <= CUTTER_RANGE:
         raise InputError(
             f"torque = {torque:g}: must be {'less' if radius < middle else 'more'} at this ratio; the gear has a mean "
             f"cone distance of {middle:.3g} mm, more than a factor of {CUTTER_RANGE:g} from the nearest standard "
-            f"cutter, {radius:g} mm"
+            f"cutter radius, {radius:g} mm; there are {MILLS[0][0]:g} to {MILLS[-1][0]:g} mm face-milled, {HOBS[0][0]:g} "
+            f"to {HOBS[-1][0]:g} mm face-hobbed"
         )
     yield DefaultValue("cutter_radius", radius, f"standard radius nearest the mean cone distance, {middle:.4g} mm")
     if hobbed:
-        yield DefaultValue("number_of_blade_groups", groups, "of this cutter, without a common factor with the teeth")
+        common = "with" if math.gcd(groups, teeth[0] * teeth[1]) > 1 else "without"
+        yield DefaultValue("number_of_blade_groups", groups, f"of this cutter, {common} a common factor with the teeth")
 
 
 def numbers_of_teeth(ratio: float, vehicle: bool, offset: float) -> tuple[tuple[int, int], str]:
