@@ -168,8 +168,8 @@ def _sized(
         raise InputError(
             f"torque = {torque:g}: must be {'less' if radius < middle else 'more'} at this ratio; the gear has a mean "
             f"cone distance of {middle:.3g} mm, more than a factor of {CUTTER_RANGE:g} from the nearest standard "
-            f"cutter radius, {radius:g} mm; there are {MILLS[0][0]:g} to {MILLS[-1][0]:g} mm face-milled, {HOBS[0][0]:g} "
-            f"to {HOBS[-1][0]:g} mm face-hobbed"
+            f"cutter radius, {radius:g} mm; there are {MILLS[0][0]:g} to {MILLS[-1][0]:g} face-milled, {HOBS[0][0]:g} "
+            f"to {HOBS[-1][0]:g} face-hobbed"
         )
     yield DefaultValue("cutter_radius", radius, f"standard radius nearest the mean cone distance, {middle:.4g} mm")
     if hobbed:

@@ -156,9 +156,12 @@ def wanted(number: int) -> tuple[str, float, float, dict[str, Any]]:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("group", [range(start, 30, 6) for start in range(6)], ids=lambda group: f"from-{group[0]}")
+@pytest.mark.parametrize("group", [range(0, 30, 10), range(5, 30, 10)], ids=lambda group: f"from-{group[0]}")
 def test_sized_pairs_are_analysed_and_reach_the_allowable_pressure(group: range) -> None:
-    """As typed, without a change; pressure of teeth as shells at the lasting torque with the usual crowning."""
+    """As typed, without a change; pressure of teeth as shells at the lasting torque with the usual crowning.
+
+    All of 0 to 29 do, of which these are a fifth.
+    """
     for number in group:
         process, ratio, torque, more = wanted(number)
         text = sized_design(process, ratio, torque, **more)[0]
