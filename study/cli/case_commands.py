@@ -35,7 +35,15 @@ TAKEN_BY = {
     "File to write: .toml, of load cases .csv.", required=False, show_default="NAME, if it is that of a file"
 )
 @click.option("--force", is_flag=True, help="Replace a file that was edited or written by hand.")
-def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
+@click.option(
+    "--ratio", type=float, metavar="R", help="Of a design, with --torque: size a pair of this ratio, 1 to 10."
+)
+@click.option("--torque", type=float, metavar="T", help="Torque at the pinion in N m: of vehicles peak, else lasting.")
+@click.option("--speed", type=float, metavar="N", help="Speed of the pinion in 1/min, for the dynamic factor.")
+@click.option("--shaft-angle", type=float, metavar="ANGLE", help="In degrees, 60 to 120.  [default: 90]")
+@click.option("--offset", type=float, metavar="E", help="Hypoid offset in mm.  [default: 0]")
+@click.option("--use", metavar="USE", help="industrial, automotive, truck or aircraft.  [default: industrial]")
+def new(kind: str, name: str | None, output: Path | None, force: bool, **sizing: Any) -> None:
     """Write a commented template of an input file of a KIND.
 
     The template can be used as it is: its numbers are those of an example. Keys that the example does not give are in
@@ -44,8 +52,11 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
     NAME is what the numbers are taken from: of a case or design face-milled (the default), face-hobbed, or the name of
     a shipped one; of supports and oil the name of a shipped one; of load cases the shipped case whose torques they
     take. 'easeoff new KIND FILE' is short for 'easeoff new KIND -o FILE'.
+
+    With --ratio and --torque a design is a first size by published rules, which are told: teeth, diameter, face width,
+    spiral angle, cutter.
     """
-    from ...cases.schema.file_templates import TEMPLATE_KINDS, template
+    from ...cases.schema.file_templates import TEMPLATE_KINDS, sized_design, template
     from ...cases.writing import write_sealed
 
     if output is None and name is not None and Path(name).suffix == TEMPLATE_KINDS[kind].suffix:
@@ -56,8 +67,12 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
             f"{kind} my{TEMPLATE_KINDS[kind].suffix}'"
         )
     check_output(output, suffix=TEMPLATE_KINDS[kind].suffix, force=force)
-    write_sealed(template(kind, name), output)
-    echo(f"wrote {output}")
+    given = {word: value for word, value in sizing.items() if value is not None}
+    if given and not (kind == "design" and {"ratio", "torque"} <= set(given)):
+        raise click.UsageError(f"--{min(given).replace('_', '-')}: belongs to a design with both --ratio and --torque")
+    text, values = sized_design(name, **given) if given else (template(kind, name), ())
+    write_sealed(text, output)
+    echo("\n".join([*values, f"wrote {output}"]))
     next_commands([output if word == "FILE" else word for word in TAKEN_BY[kind]])
 
 
