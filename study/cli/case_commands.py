@@ -117,10 +117,10 @@ def oil(output: Path, **numbers: Any) -> None:
 def sheet(case: str, output: Path, resolution: MachineResolution | None, without_vh: bool) -> None:
     """Write the summary sheet of a case, for the shop.
 
-    What it makes, inspects and sets: blanks, teeth, backlash, tolerances by the accuracy grade in [drawing], cutters and machine settings of every flank,
-    rounded to the resolution of the machine, with what rounding changes of the ease-off, what is doubtful of teeth and
-    set-ups, and the V-H check of both sides; as REXS blanks and rounded settings alone. The case stays as it is;
-    'easeoff design --round' writes rounded settings into a case.
+    What it makes, inspects and sets: blanks, teeth, backlash, tolerances by the accuracy grade in [drawing], cutters
+    and machine settings of every flank, rounded to the resolution of the machine, with what rounding changes of the
+    ease-off, what is doubtful of teeth and set-ups, and the V-H check of both sides; as REXS blanks and rounded
+    settings alone. The case stays as it is; 'easeoff design --round' writes rounded settings into a case.
     """
     quick_start()
     from ...cases import read_case, write_rexs

@@ -152,7 +152,7 @@ def _distinctions(one: xr.DataTree | xr.Dataset) -> dict[str, str]:
         "modification": modification(attributes) and "modified",
         "model": model_name(attributes),
         "torques": span,
-        "kind": "" if kind_of(one) == "result" else kind_of(one),
+        "kind": "" if kind_of(one) in ("result", "other") else kind_of(one),
     }
 
 
