@@ -133,8 +133,6 @@ def number_names(*, friction: bool) -> tuple[str, ...]:
         "unloaded_harmonic",
         *(f"unloaded_{name}" for name in UNLOADED),
         "geometric_contact_ratio",
-        "least_backlash",
-        "greatest_backlash",
         *(name for name in LOADED if name != "max_pressure_line_end"),
         "harmonic",
         "certified_positions",

@@ -54,6 +54,14 @@ def written(value: float, form: str) -> str:
     return format(value, form) if math.isfinite(value) else NO_VALUE
 
 
+def with_percent(dataset: xr.Dataset) -> xr.Dataset:
+    """A dataset with places and sizes of patterns in percent, as people read them."""
+    names = [name for name in dataset.data_vars if name in LOADED and str(name).startswith("pattern_")]
+    return dataset.assign(
+        {name: (100.0 * dataset[name]).assign_attrs(dataset[name].attrs, units="%") for name in names}
+    )
+
+
 def roughness_words(friction: xr.Dataset | xr.DataArray, index: int) -> str:
     """RMS roughness [um] of a number, of both flanks if they differ: pinion/gear."""
     pinion, gear = (f"{friction[f'roughness_{member}'].values[index]:.4g}" for member in ("pinion", "gear"))
@@ -148,7 +156,7 @@ WEAR_DEPTH = Quantity("greatest wear depth", "µm", ".2f")
 TITLES = {
     **{name: quantity.head for name, quantity in OPTIMIZED.items()},
     "contact_ratio": LOADED["contact_ratio"].head,
-    "pattern_centre_lengthwise": "centre of the pattern, toe 0 to heel 1",
+    "pattern_centre_lengthwise": "centre of the pattern from the toe [%]",
     "max_root_stress": ROOT_STRESS.head,
     "efficiency": "efficiency",
     "largest_depth": WEAR_DEPTH.head,
