@@ -10,7 +10,12 @@ from ...core.errors import GeometryError
 from ..cutting.generating_surface import Flanks, GeneratingSurface
 from ..pair.assembly import Assembly
 from ..pair.gear_pair import FlankName, GearPair, Member, left_by_cutter, thickness_per_angle
-from ..pair.tooth_thickness import filling_thickness, mid_flank_thickness
+from ..pair.tooth_thickness import (
+    filling_thickness,
+    mean_cone_distances,
+    mean_normal_thickness,
+    mid_flank_thickness,
+)
 from ..tooth.tooth_flanks import MemberName
 from .basic_settings import conjugate_pinion, crown_gear_pinion, formate_gear, generated_gear, pitch_point_azimuth
 from .blank import BlankDesign, BlankDimensions, blank_dimensions, blank_section
@@ -159,8 +164,10 @@ def _pinion_thickness(blank: BlankDimensions, pair: GearPair, *, by_cutter: bool
     """
     if by_cutter:
         return left_by_cutter(pair.pinion) * thickness_per_angle(pair.pinion)
-    both = blank.pinion.mean_normal_thickness + blank.gear.mean_normal_thickness
-    return filling_thickness(pair) - (math.pi * blank.mean_normal_module - both)
+    lost = math.pi * blank.mean_normal_module - blank.pinion.mean_normal_thickness - blank.gear.mean_normal_thickness
+    distance = mean_cone_distances(pair)[0]
+    filling = mean_normal_thickness(pair.pinion, filling_thickness(pair), distance)
+    return mid_flank_thickness(pair.pinion, filling - lost, distance)
 
 
 def _middle_thickness(blank: BlankDimensions, gear: Flanks) -> float:

@@ -12,12 +12,11 @@ from typing import Annotated, Any, Literal, get_args
 
 from ....core.checks import number, one_of, positive, two_whole, whole
 from ....core.errors import GeometryError, InputError
-from .usual_proportions import DATA_TYPE_1
+from .usual_proportions import BACKLASHES, DATA_TYPE_1
 
 Process = Literal["face_milled", "face_hobbed"]
 DepthTaper = Literal["standard", "uniform", "constant_slot_width", "modified_slot_width"]
 
-BACKLASHES = ("outer_normal_backlash", "outer_transverse_backlash", "mean_normal_backlash", "mean_transverse_backlash")
 DATA_TYPE_2 = ("gear_mean_addendum_factor", "depth_factor", "clearance_factor")
 THICKNESS_2 = ("thickness_factor", "gear_mean_slot_width")
 

@@ -7,6 +7,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from ..tolerances import usual_backlash
+
+BACKLASHES = ("outer_normal_backlash", "outer_transverse_backlash", "mean_normal_backlash", "mean_transverse_backlash")
+THICKNESSES = ("thickness_factor", "gear_mean_slot_width", "thickness_modification_coefficient")
 DATA_TYPE_1 = (
     "profile_shift_coefficient",
     "basic_addendum_factor",
@@ -81,6 +85,7 @@ def _values(
 ) -> Iterator[DefaultValue]:
     """Values that there are, whether given or not; ``known`` has each before the next is asked for."""
     groups = "number_of_blade_groups" in known
+    as_given = not known.keys().isdisjoint((*THICKNESSES, *BACKLASHES))  # a given thickness is not made less
     yield DefaultValue("process", "face_hobbed" if groups else "face_milled", "by number_of_blade_groups")
     hobbed = known["process"] == "face_hobbed"
     yield _method(known, hobbed, offset)
@@ -92,6 +97,10 @@ def _values(
     yield from _depths(known, teeth[0], ratio, ratio * math.cos(pinion_angle) / max(math.cos(gear_angle), 1e-9), offset)
     if "gear_addendum_angle" not in known and "gear_dedendum_angle" not in known:
         yield _taper(known, hobbed, gear_angle, offset)
+    diameter = known.get("gear_outer_pitch_diameter", known.get("gear_mean_pitch_diameter"))
+    usual = None if diameter is None else usual_backlash(diameter / teeth[1])
+    if usual is not None and not as_given:
+        yield DefaultValue("outer_normal_backlash", round(sum(usual) / 2.0, 3), "AGMA, mean of qualities 7 to 13")
 
 
 def _method(known: Mapping[str, Any], hobbed: bool, offset: float) -> DefaultValue:

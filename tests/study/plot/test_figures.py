@@ -174,7 +174,7 @@ def test_panels_of_ones_own_name_the_quantity_in_the_sizes_of_their_figure(tree:
         assert axes[0, 0].get_title() == "mine"
         assert axes[0, 0].title.get_fontsize() == 5.0
         assert axes[0, 0].get_title(loc="left") == "transmission error"
-        assert axes[0, 0].get_ylabel() == "under load [µrad]"
+        assert axes[0, 0].get_ylabel() == "lag under load [µrad]"
         assert axes[0, 1].get_title(loc="left") == "ease-off [µm]"
         for own in axes[0]:
             assert own._left_title.get_fontsize() == pytest.approx(size)

@@ -471,7 +471,7 @@ def test_design_leaves_the_backlash_that_it_asked_for() -> None:
     basic = design.blank_design.model_copy(update={"outer_normal_backlash": 0.15})
     shells = design.compliance.model_copy(update={"model": "shell"})
     case, _ = design_case(design.model_copy(update={"blank_design": basic, "compliance": shells}))
-    assert float(case_backlash(case)["outer_normal_backlash"].min()) == pytest.approx(0.15, abs=0.006)
+    assert float(case_backlash(case)["outer_normal_backlash"].min()) == pytest.approx(0.15, abs=0.002)
 
 
 def test_thicknesses_and_backlash_add_up_to_the_pitch() -> None:
