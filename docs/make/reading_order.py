@@ -23,6 +23,7 @@ READING_ORDER = {
         "Designs": ["designs/milled_axle", "designs/hobbed_axle", "designs/aerospace_pair"],
         "Guides": [
             "guides/report",
+            "guides/backlash",
             "guides/load_cases",
             "guides/sweeps",
             "guides/deflections",

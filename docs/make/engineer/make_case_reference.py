@@ -86,6 +86,7 @@ def sections() -> Iterator[tuple[str, type[BaseModel]]]:
     yield "### `[compliance]`", model.ComplianceTable
     yield "### `[compliance.pinion_web]` and `[compliance.gear_web]`", model.WebTable
     yield "### `[friction]`", FrictionTable
+    yield "### `[drawing]`", model.DrawingTable
     yield "### `[target.drive]` and `[target.coast]`", model.TargetTable
     yield "### `[[load_cases]]`", LoadCase
 

@@ -37,6 +37,7 @@ def coarse_analysis() -> xr.DataTree:
     """
     changed = {"contact": COARSE, "compliance": ComplianceTable(model="fe", fineness=0.2, neighbours=False)}
     case = easeoff.read_case("fm-11x41").model_copy(update=changed)
+    case = case.with_tables(pinion={"mean_normal_circular_thickness": 8.0})
     worn = deviation_from_formula(gear_pair(case).pinion.section, GlobalErrors(twist=1.0))
     tree = easeoff.analyze(case, speed=1500.0, friction_feedback=True, deviations={"pinion": worn})
     shells = case.model_copy(update={"compliance": ComplianceTable(model="shell")})
