@@ -35,6 +35,7 @@ from ...core.arrays import record
 from ...core.attributes import labelled
 from ...core.checks import array, file_path, instance, one_of, shown
 from ...core.errors import InputError
+from ...core.netcdf_file import read_dataset
 from ...core.output_file import whole_file
 from ...core.regular_file import LINE_LENGTH_LIMIT
 from ..deviation.deviation import Deviation, Method
@@ -42,7 +43,7 @@ from ..flanks.flank import solve_flank
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import Side, side
 from . import csv_points as cmm_csv, measuring_points as cmm
-from .csv_points import cells, comment, excerpt, parted, require_size, separator
+from .csv_points import cells, data_lines, excerpt, parted, require_size, separator, unit_name
 from .measuring_points import EdgeMargins, cmm_points
 
 FORMAT = cmm.GRID_FORMAT
@@ -177,7 +178,7 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
     """
     suffix, source = _suffix(path), Path(path)
     if suffix == ".nc":
-        grid = cmm.opened(source)
+        grid = read_dataset(source)
         if "easeoff_version" in grid.attrs and "position" not in grid:
             raise InputError(
                 f"{source} is a result of an analysis, not a measured grid: give a grid as `easeoff export` writes it "
@@ -196,7 +197,7 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
     if "measured_position" in grid:
         grid = _along_normals(grid, source)
     _require_deviation(grid, source)
-    unit = str(grid.attrs.get("deviation_unit", "um"))
+    unit = unit_name(grid.attrs.get("deviation_unit", "um"))
     one_of(f"{source}: deviation_unit", unit, ("um", "mm"))
     cmm.require_units(grid, "deviation", unit, source)
     grid["deviation"] = grid["deviation"] * (1e3 if unit == "mm" else 1.0)
@@ -375,6 +376,7 @@ def measured_matrix(
     instance("member", member, Member)
     instance("edge_margins", edge_margins, EdgeMargins | None)
     name, source = side(member.loaded) if flank is None else flank, "matrix of deviations"
+    deviation_unit = unit_name(deviation_unit)
     given = {"flank": name, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
     for key, allowed in WANTED.items():
         one_of(key, given[key], allowed)
@@ -421,8 +423,8 @@ class DeviationTable:
 
 def is_table(content: str) -> bool:
     """True if the first line that is no comment holds numbers, and is neither a point nor column names."""
-    lines = [line for line in content.splitlines() if line.strip(' \t;,"') and comment(line) is None]
-    first = cells(lines[0], separator(lines[0])) if lines else []
+    lines = data_lines(content)
+    first = cells(lines[0][1], separator(lines[0][1])) if lines else []
     return first[:1] not in (["concave"], ["convex"]) and any(_is_number(cell, finite=False) for cell in first)
 
 
@@ -572,4 +574,4 @@ def _combined(nominal: cmm_csv.Points, actual: cmm_csv.Points, source: str) -> x
     if gaps:
         flank, row, column = gaps[0]
         raise InputError(f"{source}: {len(gaps)} points were not measured, the first {flank}, row {row}, col. {column}")
-    return cmm_csv.gridded(points, {"length_unit": "mm"}, source)
+    return cmm_csv.gridded(points, (*cmm_csv.NODE_COLUMNS, *cmm_csv.MEASURED_COLUMNS), {"length_unit": "mm"}, source)

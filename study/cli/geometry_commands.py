@@ -12,11 +12,11 @@ from ..progress import working
 from . import option
 from .case_run import check_folders, check_output, outside_allowed
 from .command import Command, echo
-from .option_values import deviation_files, keyed_numbers, names, reader, two_counts
+from .option_values import deviation_files, keyed_numbers, names, number_list, reader, two_counts
 
 #: Options of ``export`` that go with a result, and those that go with a case.
 CONTACT_OPTIONS = ("torque", "mesh_position")
-GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
+GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "tolerance", "teeth")
 EDGES = ("toe", "heel", "root", "tip")
 THICKNESS_LIMIT = 1000.0  # of a measured departure [um]
 
@@ -69,6 +69,15 @@ def margins(text: str) -> dict[str, float]:
     return keyed_numbers(text, EDGES, "toe=3,root=1.2")
 
 
+@reader
+def tolerance(text: str) -> tuple[float, float]:
+    """Lower and upper limit of the deviation [um], of one number that number to both sides."""
+    values = number_list(text, wanted := "a tolerance in um, or its lower and upper limit, such as 10 or -5,10")
+    if len(values) > 2:
+        raise click.BadParameter(f"{text!r}: must be {wanted}")
+    return (0.0 - values[0], values[0]) if len(values) == 1 else (values[0], values[1])
+
+
 @click.command(cls=Command)
 @option.case("source", metavar="CASE|RESULT")
 @option.output(
@@ -91,6 +100,13 @@ def margins(text: str) -> dict[str, float]:
     metavar="toe=..,heel=..,root=..,tip=..",
     show_default="a tenth of face width and depth",
     help="Points: margins of the grid at the edges of the flank, in mm.",
+)
+@click.option(
+    "--tolerance",
+    callback=tolerance,
+    metavar="T|LOWER,UPPER",
+    show_default="no limits",
+    help="Points: limits of the deviation in um, along the normal, one number for both sides; columns of the file.",
 )
 @click.option(
     "--teeth", callback=teeth, metavar="N|all", show_default="1", help="Surfaces and meshes: number of teeth."
