@@ -68,7 +68,7 @@ def parsed(content: str, source: str) -> xr.Dataset:
     attributes, lines = parted(content, source)
     points: Points = {}
     number, head = lines[0]
-    head = re.sub(r"\s+(?=[\[(])", "", head)
+    head = re.sub(r"(?<!\s)\s+(?=[\[(])", "", head)  # from the first blank alone: a line may have 50,000
     mark = separator(head)
     heading = _heading(cells(head, mark), mark, attributes, f"{source}, line {number}")
     for number, line in lines[1:]:
@@ -89,7 +89,7 @@ def _heading(entries: Sequence[str], mark: str, attributes: Attributes, where: s
     expected += mark.join(MEASURED_COLUMNS)
     heading: list[str] = []
     for entry in entries:
-        name, *units = re.split(r"\s*[\[(]", entry.lower().rstrip("])"), maxsplit=1)
+        name, *units = re.split(r"[\[(]", entry.lower().rstrip("])"), maxsplit=1)
         if name not in COLUMN_UNITS or name in heading:
             why = "comes twice" if name in heading else f"is no column{suggestion(name, COLUMN_UNITS)}"
             raise InputError(f"{where}: {excerpt(entry)} {why}; {expected}")

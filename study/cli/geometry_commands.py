@@ -82,7 +82,7 @@ def tolerance(text: str) -> tuple[float, float]:
 @option.case("source", metavar="CASE|RESULT")
 @option.output(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
-    "(meshes). Of a RESULT: .vtu."
+    "(meshes). Of a RESULT: .vtu, .rexs."
 )
 @click.option("--member", type=click.Choice(["pinion", "gear"]), default="pinion", help="Member to export.")
 @click.option(
@@ -129,7 +129,8 @@ def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -
 
     RESULT is a file of 'easeoff run'. Its .vtu file, for ParaView and other programs that read VTK, holds the teeth of
     both members in mesh position with ease-off, contact pattern and pressure, and a strip for every loaded segment with
-    its load, film, friction and temperature.
+    its load, film, friction and temperature. Its .rexs file holds the case, and the contact points of the mesh cycle
+    with ease-off, pressure, load and friction.
     """
     contact = {name: options.pop(name) for name in CONTACT_OPTIONS}
     if Path(source).suffix.lower() == ".nc":
@@ -144,7 +145,7 @@ def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -
 def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: tuple[int, int] | None) -> None:
     from ...core.errors import InputError
     from ...core.regular_file import named
-    from ..report.contact_mesh import export_contact
+    from ..report.contact_mesh import REXS_SUFFIX, export_contact
     from ..result import read_result
 
     context = click.get_current_context()
@@ -153,6 +154,9 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
         raise click.UsageError(f"--{foreign[0]}: must go with a CASE, not with a result")
     check_output(output, source)
     chosen = {name: value for name, value in {**contact, "nodes": nodes}.items() if value is not None}
+    of_vtu = sorted(set(chosen) - {"torque"})
+    if of_vtu and output.suffix.lower() == REXS_SUFFIX:
+        raise click.UsageError(f"--{of_vtu[0].replace('_', '-')}: must go with a .vtu file")
     tree = read_result(source)
     try:
         with working("contact on the teeth"):
