@@ -367,8 +367,8 @@ def export_contact(
     not drawn, and the flanks are apart or overlap by some hundredths of a millimetre where they touch.
 
     REXS holds the case, and the contact points on the gear flank over the whole mesh cycle with ease-off, Hertzian
-    pressure, load per length and, with friction, its coefficient, the ratio of film to roughness and the sliding
-    velocity. Segments on sharp edges, which have no pressure, are left out.
+    pressure, load per length and, with friction, its coefficient, the ratio of film to roughness, sliding velocity and
+    flash temperature. Segments on sharp edges, which have no pressure, are left out.
 
     Parameters
     ----------

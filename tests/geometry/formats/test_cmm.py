@@ -213,12 +213,7 @@ def line_changed(text: str, number: int, old: str, new: str) -> str:
         (2, "1", "99", "format version 99"),
         (2, "1", "one", "line 2.*format_version.*'one'"),
         (3, ": ", " ", "line 3.*# key: value"),
-        (
-            17,
-            "row,column",
-            "row,colum",
-            "line 17: 'colum' is no column; did you mean 'column'.; expected the column names",
-        ),
+        (17, "row,column", "rows,column", "line 17: 'rows' is no column; did you mean 'row'.; expected the column"),
         (17, "row,column", "row,row", "line 17: 'row' comes twice; expected the column names"),
         (17, ",nz", "", "line 17: .*: expected the column names flank,row,column,x,y,z,nx,ny,nz in any order"),
         (17, ",x,", ",x [inch],", "line 17: unit of x = 'inch': must be one of mm"),

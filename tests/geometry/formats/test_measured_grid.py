@@ -431,7 +431,7 @@ def test_points_saved_by_a_spreadsheet_are_read(mark: str, point: str, tmp_path:
     assert read_measured_grid(path).equals(random_grid())
 
 
-HEADS = {
+HEADS: dict[str, Callable[[str], str]] = {
     "capitals": lambda name: name.upper(),
     "units": lambda name: f"{name.title()} [{'mm' if name in 'xyz' else 'µm' if name == 'deviation' else '1'}]",
     "parentheses": lambda name: f"{name}(microns)" if name == "deviation" else name,
