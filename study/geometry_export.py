@@ -44,14 +44,9 @@ def export_points(
     """
     require_memory(f"rows = {rows}, columns = {columns}", 2.0 * POINT_SIZE * rows * columns, "the grid of points")
     pair = given_pair(case)
-    points = cmm_points(
-        named_member(pair, member),
-        rows,
-        columns,
-        margins,
-        tooth_angle=tooth_angle(pair, member),
-        tolerance=tolerance,
-    ).assign_attrs({"member": member, "title": case.title})
+    angle = tooth_angle(pair, member)
+    points = cmm_points(named_member(pair, member), rows, columns, margins, tooth_angle=angle, tolerance=tolerance)
+    points = points.assign_attrs({"member": member, "title": case.title})
     known = [str(name) for name in points["flank"].values]
     if flank != "both":
         if flank not in known:

@@ -16,6 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import version
 
+import numpy as np
 from pydantic import BaseModel
 
 from ...core.arrays import Array
@@ -127,25 +128,21 @@ def _write_contact(file: ModelWriter, stage: int, gears: Mapping[int, Hand], con
         role = next(role for role in HANDS if side(hand, role) == loaded)
         data = file.component("bevel_stage_gear_data", f"{loaded} flank", [(Term("loaded_tooth_flank", "none"), role)])
         file.relation("stage_gear_data", stage=stage, gear=gear, stage_gear_data=data)
-    numbers = tuple(range(1, len(contact.points) + 1))
     x, y, z = contact.points.T
-    attributes: list[tuple[Term, Value]] = [
-        (Term("kind_of_point_list", "none"), "meshing_contact_points"),
-        (Term("point_ids", "none"), numbers),
-        *(
-            (Term(f"point_coordinates_{axis}_coord", "mm"), tuple(c.tolist()))
-            for axis, c in zip("uvw", (z, -y, x), strict=True)
-        ),
-    ]
+    columns = {Term(f"point_coordinates_{axis}_coord", "mm"): at for axis, at in zip("uvw", (z, -y, x), strict=True)}
+    numbers = range(1, len(contact.points) + 1)
+    kind = (Term("kind_of_point_list", "none"), "meshing_contact_points")
+    attributes = [kind, *_arrays({Term("point_ids", "none"): numbers, **columns})]
     points = file.component("point_list", contact.name, attributes)
     file.relation("assembly", assembly=data, part=points)
-    values = [
-        (term, tuple(contact.values[key].tolist())) for key, term in rexs.CONTACT_TERMS.items() if key in contact.values
-    ]
-    of_points = file.component(
-        "meshing_contact_stage_data_set", contact.name, [(Term("set_ids", "none"), numbers), *values]
-    )
-    file.relation("reference", origin=points, referenced=of_points)
+    columns = {term: contact.values[key] for key, term in rexs.CONTACT_TERMS.items() if key in contact.values}
+    attributes = _arrays({Term("set_ids", "none"): numbers, **columns})
+    values = file.component("meshing_contact_stage_data_set", contact.name, attributes)
+    file.relation("reference", origin=points, referenced=values)
+
+
+def _arrays(columns: Mapping[Term, Array | range]) -> list[tuple[Term, Value]]:
+    return [(term, tuple(np.asarray(column).tolist())) for term, column in columns.items()]
 
 
 def _terms(table: BaseModel, terms: dict[str, Term]) -> list[tuple[Term, Value]]:

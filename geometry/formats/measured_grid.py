@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -190,7 +191,7 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
             table = parsed_table(content, str(source))
             if member is None:
                 raise InputError(f"{source}: a table of deviations without points: give the member that it is of")
-            return measured_grid(table.points(member), table.deviation)
+            return table.grid(member)
         grid = (parsed_dmis if suffix in DMIS_SUFFIXES else cmm_csv.parsed)(content, str(source))
     grid = grid.assign_attrs(format=FORMAT, format_version=cmm.FORMAT_VERSION)
     cmm.check_points(grid, source, FORMAT)
@@ -378,13 +379,9 @@ def measured_matrix(
     name, source = side(member.loaded) if flank is None else flank, "matrix of deviations"
     deviation_unit = unit_name(deviation_unit)
     given = {"flank": name, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
-    for key, allowed in WANTED.items():
-        one_of(key, given[key], allowed)
     values = array(source, deviation, deviation_unit, ndim=2, anything=True)
     require_size(values.shape[0], values.shape[1], source)
-    values = _oriented(values * (1e3 if deviation_unit == "mm" else 1.0), rows, columns, source)
-    points = DeviationTable(values, name, edge_margins or EdgeMargins(), source).points(member)
-    return measured_grid(points, values)
+    return DeviationTable.of(values, given, edge_margins or EdgeMargins(), source).grid(member)
 
 
 UPWARDS, LENGTHWISE = ("root to tip", "tip to root"), ("toe to heel", "heel to toe")
@@ -406,8 +403,18 @@ class DeviationTable:
     margins: EdgeMargins
     source: str
 
-    def points(self, member: Member) -> xr.Dataset:
-        """Nominal points of the table on its flank of a member, where ``easeoff export`` has them."""
+    @classmethod
+    def of(
+        cls, values: NDArray[np.float64], given: Mapping[str, str], margins: EdgeMargins, source: str, before: str = ""
+    ) -> DeviationTable:
+        """Table of values in rows and columns that lie as the words for the keys of ``WANTED`` say."""
+        for key, allowed in WANTED.items():
+            one_of(before + key, given[key], allowed)
+        values = values * (1e3 if given["deviation_unit"] == "mm" else 1.0)
+        return cls(_oriented(values, given["rows"], given["columns"], source), given["flank"], margins, source)
+
+    def grid(self, member: Member) -> xr.Dataset:
+        """Measured grid on the flank of a member, at the points where ``easeoff export`` has them."""
         if self.flank != side(member.loaded):
             if member.opposite is None:
                 wanted = f"must be {side(member.loaded)!r}, the one given for this member"
@@ -418,7 +425,7 @@ class DeviationTable:
             # As exported, both flanks have one grid; the thickness of the tooth does not matter to its margins.
             both = cmm_points(member, rows, columns, margins, tooth_angle=np.pi / member.teeth)
             margins = EdgeMargins(**{edge: both.attrs[f"margin_{edge}_mm"] for edge in EDGES})
-        return cmm_points(member, rows, columns, margins)
+        return measured_grid(cmm_points(member, rows, columns, margins), self.deviation)
 
 
 def is_table(content: str) -> bool:
@@ -453,17 +460,13 @@ def parsed_table(content: str, source: str) -> DeviationTable:
             f"points. If they are deviations at the points of 'easeoff export', say in lines before them what they "
             f"are: {'; '.join(missing)}. Or give the points, too, with a column 'deviation'"
         )
-    for key, allowed in WANTED.items():
-        one_of(f"{source}: {key}", attributes[key], allowed)
     if mark == "," and not any("." in cell for row in rows for cell in row):
         raise InputError(
             f"{source}, line {first}: {excerpt(head)}: whole numbers, or decimal commas? Write decimal points, or "
             "separate the columns by semicolons"
         )
-    deviation = np.array(rows, dtype=float) * (1e3 if attributes["deviation_unit"] == "mm" else 1.0)
-    deviation = _oriented(deviation, attributes["rows"], attributes["columns"], source)
     margins = EdgeMargins(**{edge: attributes.get(f"margin_{edge}_mm") for edge in EDGES})
-    return DeviationTable(deviation, attributes["flank"], margins, source)
+    return DeviationTable.of(np.array(rows, dtype=float), attributes, margins, source, f"{source}: ")
 
 
 def _oriented(deviation: NDArray[np.float64], rows: str, columns: str, source: str) -> NDArray[np.float64]:
