@@ -76,7 +76,7 @@ VARIABLES, COMPUTED, GROUPS = (
     for names in (
         ("flanks", "ease_off", "teeth", "unloaded", "loaded"),
         ("misalignment", "supports", "friction"),
-        ("modification", "optimization", "root_stress", "optimal_settings", "front"),
+        ("modification", "optimization", "root_stress", "optimal_settings", "front", "backlash"),
     )
 )
 #: Texts of those groups by their dimensions, and variables that must be finite.
@@ -118,7 +118,9 @@ ATTRIBUTES: dict[str, dict[str, AttributeKind]] = {
 }
 OPTIONAL_ATTRIBUTES: dict[str, dict[str, AttributeKind]] = {
     "": {
-        **dict.fromkeys(("compliance_model", "deviated", "root_stress_left_out", "deflections"), "text"),
+        **dict.fromkeys(
+            ("compliance_model", "deviated", "root_stress_left_out", "backlash_left_out", "deflections"), "text"
+        ),
         **dict.fromkeys(("case_name", "supports_name"), "text"),
         **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
         "modification_um": "table of numbers",

@@ -106,7 +106,16 @@ def write_rexs(case: Case, path: str | os.PathLike[str], contact: ContactPoints 
     if contact is not None:
         _write_contact(file, stage, {pinion: hand, gear: opposite(hand)}, contact)
 
-    for name in ("description", "corrected_flanks", "contact", "compliance", "friction", "target", "load_cases"):
+    for name in (
+        "description",
+        "corrected_flanks",
+        "contact",
+        "compliance",
+        "friction",
+        "target",
+        "drawing",
+        "load_cases",
+    ):
         if getattr(case, name) != Case.model_fields[name].default:
             notes.append(f"{name}: left out, REXS cannot hold it")
     if case.misalignment.deflections:

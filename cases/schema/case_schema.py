@@ -342,6 +342,20 @@ class ComplianceTable(Table):
                 raise ValueError(f"{name}: must go with neighbours = true: the web carries the body that teeth share")
 
 
+class DrawingTable(Table):
+    """Title block of the drawings, and tolerances to which the pair is made and mounted; for sheets and reports."""
+
+    drawing_number: str = key("number of the drawing", default="", max_length=60)
+    revision: str = key("revision of the drawing", default="", max_length=20)
+    accuracy_grade: int | None = optional("of ISO 17485", "1", ge=2, le=11)
+    pinion_mounting_distance: float | None = optional("crossing point to the mounting face", "mm", gt=0, lt=5000)
+    gear_mounting_distance: float | None = optional("crossing point to the mounting face", "mm", gt=0, lt=5000)
+    mounting_tolerance: float = number("± of either mounting distance", "mm", default=0.0, ge=0, lt=10)
+    thickness_tolerance: float = number(
+        "by which a tooth may be thinner than its mean normal circular thickness", "mm", default=0.0, ge=0, lt=10
+    )
+
+
 class TargetTable(Table):
     """Ease-off at the flank's edges that the pinion was fitted to, in the case's own misalignment.
 
@@ -397,6 +411,7 @@ class Case(InputFile):
     compliance: ComplianceTable = ComplianceTable()
     friction: FrictionTable | None = None
     target: TargetsTable = TargetsTable()
+    drawing: DrawingTable = DrawingTable()
     load_cases: LoadCases = ()
     _supports_name: str = PrivateAttr(default="")
 

@@ -11,7 +11,16 @@ from ...geometry.cutting.named_settings import scale_of
 from ...geometry.design.iso23509.usual_proportions import DefaultValue
 from ...geometry.design.pinion_method import PinionMethod
 from .blank_design_table import BlankDesignTable
-from .case_schema import ComplianceTable, ContactTable, HandOfSpiral, MisalignmentTable, PairTable, Steel, TargetTable
+from .case_schema import (
+    ComplianceTable,
+    ContactTable,
+    DrawingTable,
+    HandOfSpiral,
+    MisalignmentTable,
+    PairTable,
+    Steel,
+    TargetTable,
+)
 from .friction_table import FrictionTable
 from .schema_table import Description, InputFile, Table, Title, key, number, optional
 
@@ -184,6 +193,7 @@ class Design(InputFile):
     compliance: ComplianceTable = ComplianceTable()
     friction: FrictionTable | None = None
     target: DesignTargets = DesignTargets()
+    drawing: DrawingTable = DrawingTable()
     _defaults: tuple[DefaultValue, ...] = PrivateAttr(default=())
 
     @property

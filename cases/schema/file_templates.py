@@ -7,6 +7,7 @@ and range, which the pages of the docs show, too.
 from __future__ import annotations
 
 import json
+import math
 import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
@@ -15,9 +16,12 @@ from typing import Any, Literal, NamedTuple, get_args, get_origin
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
+from ...core import checks
 from ...core.errors import InputError, suggestion
 from ...friction import COEFFICIENTS, FILM_FACTORS, FILMS, THERMAL_FACTORS, available_lubricants, lubricant
 from ...friction.lubricants.lubricant import lubricant_toml
+from ...geometry.design.iso23509.usual_proportions import DefaultValue
+from ...geometry.design.sizing import first_size
 from ..reading import CASE, DESIGN, SUPPORT
 from .case_schema import Case
 from .design_schema import Design
@@ -274,6 +278,51 @@ def _design(name: str) -> str:
     if "cutter_steps" in values and not shipped.cutter_steps.blade_angle:
         head.append("Its steps in [cutter_steps] are zero, for the shipped case has the cutters as computed.")
     return _file(head, template_text(Design, values))
+
+
+def sized_design(
+    process: str | None,
+    ratio: float,
+    torque: float,
+    *,
+    speed: float | None = None,
+    shaft_angle: float = 90.0,
+    offset: float = 0.0,
+    use: str = "industrial",
+) -> tuple[str, tuple[str, ...]]:
+    """Text of a design file of a first size, by ``first_size`` with angles in degrees, and its values with sources."""
+    if process not in (None, *PROCESSES):
+        raise InputError(f"name = {process!r}: must be {' or '.join(PROCESSES)} where a ratio is given")
+    checks.number("shaft_angle", shaft_angle, "deg", least=60.0, most=120.0)
+    angle = math.radians(shaft_angle)
+    hobbed = process == PROCESSES[1]
+    values = first_size(ratio, torque, speed=speed, shaft_angle=angle, offset=offset, use=use, hobbed=hobbed)
+    torques = [round(share * torque, 6) for share in (0.25, 0.5, 1.0)]
+    tables: dict[str, dict[str, tuple[Any, str]]] = {
+        "pair": {"shaft_angle": (shaft_angle, ""), "hypoid_offset": (float(offset), "")},
+        "blank_design": {},
+        "pinion": {"hand_of_spiral": ("left", "below centre if there is an offset")},
+        "gear": {},
+        "contact": {"torques": (torques, "quarter, half and whole of the torque given")},
+        **({} if speed is None else {"friction": {"speed": (float(speed), "")}}),
+    }
+    told = []
+    for each in values:
+        table, _, key = each.name.rpartition(".")
+        value = round(math.degrees(each.value), 1) if key.endswith("angle") else each.value
+        tables[table or "blank_design"][key] = (value, each.source)
+        told.append(str(DefaultValue(each.name, value, each.source)))
+    head = comment(
+        "Design: a first size, to be changed after its analysis. 'easeoff design FILE -o CASE.toml' makes a case with "
+        "machine settings of it. Keys that are left out have defaults; 'easeoff new design' writes all of them."
+    )
+    title = f"First size, {use}, ratio {ratio:g}, {torque:g} N m"
+    lines = ["easeoff_design = 1", f"title = {toml_value(title)}"]
+    for table, keys in tables.items():
+        lines += ["", f"[{table}]"]
+        for key, (value, source) in keys.items():
+            lines += with_comment(f"{key} = {toml_value(value)}", source)
+    return "\n".join([*head, "", *lines, ""]), tuple(told)
 
 
 def _supports(name: str) -> str:

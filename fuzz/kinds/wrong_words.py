@@ -43,8 +43,8 @@ def options(rng: random.Random, box: Box) -> Input:
         "cases": ["cases"],
         "completion": ["completion", rng.choice(["bash", "zsh", "fish", "sh", ""])],
         "new": ["new", rng.choice(["case", "design", "supports", "oil", "load-cases", "cases"]),
-        *rng.choice([[], ["face-hobbed"], ["fm-11x41"], ["nothing"], ["../x"]]), "-o",
-        rng.choice(["new.toml", "new.csv", "case.toml", output])],
+        *rng.choice([[], ["face-hobbed"], ["fm-11x41"], ["nothing"], ["../x"], ["--ratio", "4", "--torque", "9"]]),
+        "-o", rng.choice(["new.toml", "new.csv", "case.toml", output])],
         "library": ["library", "-o", "parts", "--parts", "x"],
     }  # fmt: skip
     if command in ("show", "plot", "cite"):

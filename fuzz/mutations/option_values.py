@@ -251,7 +251,14 @@ OPTIONS: dict[str, Options] = {
         "--author": ("A. Gear", "", "x" * 300, "\x1b[2J", "<b>"),
         "-o": ("report.html", "report.htm", "report.nc", "r.nc", *PATHS)},
     "cite": {"--bibtex": None},
-    "new": {"--force": None, "-o": ("new.toml", "new.csv", "case.toml", "new.txt", *PATHS)},
+    "new": {
+        "--force": None, "-o": ("new.toml", "new.csv", "case.toml", "new.txt", *PATHS),
+        "--ratio": ("3.7", "1", "10", "0.5", "12", "nan", "3,7", "41/11", ""),
+        "--torque": ("500", "5", "20000", "0", "-1", "1e9", "nan", "1e-300", "50,100"),
+        "--speed": ("3000", "0", "-1", "1e9", "inf", "x"), "--shaft-angle": ("90", "60", "120", "119", "0", "nan"),
+        "--offset": ("0", "20", "-5", "500", "nan", "1e300"),
+        "--use": ("industrial", "automotive", "truck", "aircraft", "car", "", "\x1b[2J"),
+    },
     "design": {
         "--force": None, "--report": None, "--allow-outside": None, "--round": None, "--resolution": RESOLUTIONS
     },

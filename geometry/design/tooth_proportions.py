@@ -6,6 +6,7 @@ Tooth proportions of a pair whose basic data are not known: measured on its blan
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +21,7 @@ from ..flanks.flank import solve_flank
 from ..pair.gear_pair import GearPair, Member
 from ..pair.tooth_thickness import mean_cone_distances, mean_normal_thickness, mean_thicknesses
 from .blank import BlankDimensions, MeanPointAngles, angles_of_normal
+from .iso23509.blank_dimensions import MemberBlank, MemberFrame, member_blank
 
 Two = tuple[float, float]
 
@@ -127,7 +129,7 @@ def measured_proportions(pair: GearPair) -> ToothProportions:
         for member, middle, r in zip(members, mean_thicknesses(pair), distance, strict=True)
     ]
     heights = [_heights(section, r) for section, r in zip(sections, distance, strict=True)]
-    angles = [_angles(member, r) for member, r in zip(members, distance, strict=True)]
+    angles = [mean_flank_angles(member, r) for member, r in zip(members, distance, strict=True)]
     spiral = [sum(abs(each.spiral_angle) for each in both) / 2.0 for both in angles]
     gear = pair.gear
     settings = gear.loaded.settings
@@ -158,6 +160,37 @@ def measured_proportions(pair: GearPair) -> ToothProportions:
     )
 
 
+def measured_blank(member: Member, distance: float, mid_flank_thickness: float) -> tuple[MemberBlank, float]:
+    """Blank and mean normal module [mm] of a member by ISO 23509:2016, measured at a mean cone distance [mm].
+
+    The normal circular thickness [mm] is given mid-flank. Raises GeometryError where a flank has no such place.
+    """
+    section = member.section
+    spiral = dict.fromkeys(("outer", "mean", "inner"), math.nan)
+    outer = section.outer_cone_distance
+    for place, at in (("outer", outer), ("mean", distance), ("inner", outer - section.face_width)):
+        with suppress(GeometryError) if place != "mean" else nullcontext():
+            spiral[place] = sum(abs(each.spiral_angle) for each in mean_flank_angles(member, at)) / 2.0
+    pressure = sum(abs(each.pressure_angle) for each in mean_flank_angles(member, distance)) / 2.0
+    axial, radial = map(float, section.on_pitch_cone(distance))
+    module = 2.0 * radial * math.cos(spiral["mean"]) / member.teeth
+    addendum, dedendum = _heights(section, distance)
+    frame = MemberFrame(
+        number_of_teeth=member.teeth,
+        mean_point_distance=axial,
+        mean_cone_distance=distance,
+        outer_face_width=outer - distance,
+        inner_face_width=section.face_width - outer + distance,
+        mean_addendum=addendum,
+        mean_dedendum=dedendum,
+        thickness_modification_coefficient=mean_normal_thickness(member, mid_flank_thickness, distance) / module / 2.0
+        - math.pi / 4.0,
+        **{f"{place}_spiral_angle": angle for place, angle in spiral.items()},
+        **shared_fields(MemberFrame, section),
+    )
+    return member_blank(frame, module, pressure, 0.0), module
+
+
 def _heights(section: BlankSection, distance: float) -> tuple[float, float]:
     """Addendum and dedendum at right angles to the pitch cone at a cone distance [mm]."""
     pitch = section.pitch_angle
@@ -169,10 +202,10 @@ def _heights(section: BlankSection, distance: float) -> tuple[float, float]:
     return to_cone(section.face_angle, section.face_apex), -to_cone(section.root_angle, section.root_apex)
 
 
-def _angles(member: Member, distance: float) -> tuple[MeanPointAngles, MeanPointAngles]:
+def mean_flank_angles(member: Member, distance: float) -> tuple[MeanPointAngles, MeanPointAngles]:
     """Angles of the loaded and of the other flank at a cone distance."""
     angles = []
-    for surface in (member.loaded, member.from_opposite.loaded):
+    for surface in (member.loaded, member.other):
         flank = solve_flank(surface, member.section, *member.section.on_pitch_cone(distance)[:, None])
         position, normal = flank.position[:, 0], flank.normal[:, 0]
         if not np.all(np.isfinite(position)):

@@ -21,12 +21,13 @@ from ...cases.analysis_size import KEPT_VALUES_LIMIT
 from ...cases.deflection_table import MisalignmentSource
 from ...cases.reading import with_supports
 from ...cases.schema.case_schema import Case, ComplianceTable, ContactTable
+from ...contact.backlash import backlash
 from ...contact.solvers import SOLVERS, SolverChoice
 from ...contact.solvers.registry import chosen_solver
 from ...contact.solvers.solver_declaration import ChosenSolver
 from ...contact.solvers.solver_limits import Limits
 from ...core.checks import one_of, shown
-from ...core.errors import InputError, suggestion
+from ...core.errors import GeometryError, InputError, suggestion
 from ...geometry.deviation.deviation import Method
 from ...geometry.pair.gear_pair import FlankName
 from ...geometry.pair.modification import Modification
@@ -75,6 +76,16 @@ def with_friction(
         for places, part in analysis.parts
     ]
     return joined_analysis(parts, {name: group for name, group in analysis.groups.items() if name not in OVER_TORQUE})
+
+
+def with_backlash(analysis: Analysis, state: CaseInMesh) -> Analysis:
+    """An analysis with the group ``backlash``, or with the reason why there is none as an attribute."""
+    groups = dict(analysis.groups)
+    try:
+        groups["backlash"] = backlash(state.cycle.geometry, groups["unloaded"])
+    except GeometryError as error:
+        groups["/"] = groups["/"].assign_attrs(backlash_left_out=str(error))
+    return replace(analysis, groups=groups)
 
 
 #: What ``contact.solve`` takes of an analysis, whichever solver it calls. Starts are those of the torque before.
@@ -255,5 +266,5 @@ def analyze(
     if stage is not None:
         stage("loaded contact")
     report = callback(progress)
-    analysis = contact_analysis(state, load, **operating.contact, progress=report, **options)
+    analysis = with_backlash(contact_analysis(state, load, **operating.contact, progress=report, **options), state)
     return with_friction(analysis, friction, solver, report, stage).tree

@@ -97,6 +97,9 @@ def key_numbers(result: xr.DataTree | Mapping[str, xr.Dataset]) -> xr.Dataset:
     if "light_load" in groups:
         light = groups["light_load"].variables
         numbers |= {f"light_load_{name}": light[name].to_base_variable().isel(torque=0) for name in LIGHT_LOAD}
+    if "backlash" in groups:
+        play = groups["backlash"].variables["outer_normal_backlash"].values
+        numbers |= {"least_backlash": xr.Variable((), play.min()), "greatest_backlash": xr.Variable((), play.max())}
     if "root_stress" in groups:
         numbers["max_root_stress"] = groups["root_stress"].variables["max_root_stress"]
         sources.append(groups["root_stress"])

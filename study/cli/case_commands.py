@@ -35,7 +35,15 @@ TAKEN_BY = {
     "File to write: .toml, of load cases .csv.", required=False, show_default="NAME, if it is that of a file"
 )
 @click.option("--force", is_flag=True, help="Replace a file that was edited or written by hand.")
-def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
+@click.option(
+    "--ratio", type=float, metavar="R", help="Of a design, with --torque: size a pair of this ratio, 1 to 10."
+)
+@click.option("--torque", type=float, metavar="T", help="Torque at the pinion in N m: of vehicles peak, else lasting.")
+@click.option("--speed", type=float, metavar="N", help="Speed of the pinion in 1/min, for the dynamic factor.")
+@click.option("--shaft-angle", type=float, metavar="ANGLE", help="In degrees, 60 to 120.  [default: 90]")
+@click.option("--offset", type=float, metavar="E", help="Hypoid offset in mm.  [default: 0]")
+@click.option("--use", metavar="USE", help="industrial, automotive, truck or aircraft.  [default: industrial]")
+def new(kind: str, name: str | None, output: Path | None, force: bool, **sizing: Any) -> None:
     """Write a commented template of an input file of a KIND.
 
     The template can be used as it is: its numbers are those of an example. Keys that the example does not give are in
@@ -44,8 +52,11 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
     NAME is what the numbers are taken from: of a case or design face-milled (the default), face-hobbed, or the name of
     a shipped one; of supports and oil the name of a shipped one; of load cases the shipped case whose torques they
     take. 'easeoff new KIND FILE' is short for 'easeoff new KIND -o FILE'.
+
+    With --ratio and --torque a design is a first size by published rules, which are told: teeth, diameter, face width,
+    spiral angle, cutter.
     """
-    from ...cases.schema.file_templates import TEMPLATE_KINDS, template
+    from ...cases.schema.file_templates import TEMPLATE_KINDS, sized_design, template
     from ...cases.writing import write_sealed
 
     if output is None and name is not None and Path(name).suffix == TEMPLATE_KINDS[kind].suffix:
@@ -56,8 +67,12 @@ def new(kind: str, name: str | None, output: Path | None, force: bool) -> None:
             f"{kind} my{TEMPLATE_KINDS[kind].suffix}'"
         )
     check_output(output, suffix=TEMPLATE_KINDS[kind].suffix, force=force)
-    write_sealed(template(kind, name), output)
-    echo(f"wrote {output}")
+    given = {word: value for word, value in sizing.items() if value is not None}
+    if given and not (kind == "design" and {"ratio", "torque"} <= set(given)):
+        raise click.UsageError(f"--{min(given).replace('_', '-')}: belongs to a design with both --ratio and --torque")
+    text, values = sized_design(name, **given) if given else (template(kind, name), ())
+    write_sealed(text, output)
+    echo("\n".join([*values, f"wrote {output}"]))
     next_commands([output if word == "FILE" else word for word in TAKEN_BY[kind]])
 
 
@@ -98,12 +113,14 @@ def oil(output: Path, **numbers: Any) -> None:
 @option.case()
 @option.output("Sheet to write, .txt, .html or .rexs.")
 @option.resolution
-def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None:
-    """Write the summary sheet of a case: what an operator sets.
+@click.option("--without-vh", is_flag=True, help="Leave out the V-H check of both sides, which takes some seconds.")
+def sheet(case: str, output: Path, resolution: MachineResolution | None, without_vh: bool) -> None:
+    """Write the summary sheet of a case, for the shop.
 
-    Blanks, cutters and machine settings of every flank, rounded to the resolution of the machine, with what rounding
-    changes of the ease-off, and what is doubtful of teeth and set-ups; as REXS blanks and rounded settings alone. The
-    case stays as it is; 'easeoff design --round' writes rounded settings into a case.
+    What it makes, inspects and sets: blanks, teeth, backlash, tolerances by the accuracy grade in [drawing], cutters
+    and machine settings of every flank, rounded to the resolution of the machine, with what rounding changes of the
+    ease-off, what is doubtful of teeth and set-ups, and the V-H check of both sides; as REXS blanks and rounded
+    settings alone. The case stays as it is; 'easeoff design --round' writes rounded settings into a case.
     """
     quick_start()
     from ...cases import read_case, write_rexs
@@ -111,13 +128,18 @@ def sheet(case: str, output: Path, resolution: MachineResolution | None) -> None
     from ...core.output_file import whole_file
     from ..design.rounded_settings import rounded_case
     from ..summary.summary_sheet import summary_sheet
+    from ..vh import vh_check
 
     check_output(output, case)
     suffix = output.suffix.lower()
     if suffix not in (".txt", ".html", ".rexs"):
         raise InputError(f"{output}: suffix = {output.suffix!r}: must be .txt, .html or .rexs")
     checked = read_case(case, allow_outside=outside_allowed())
-    made = summary_sheet(checked, resolution)
+    vh_checks = {}
+    if not without_vh and suffix != ".rexs":
+        for flank in checked.flanks:
+            vh_checks[flank] = vh_check(checked, flank=flank, progress=True)
+    made = summary_sheet(checked, resolution, vh_checks=vh_checks)
     if suffix == ".rexs":
         for note in write_rexs(with_blanks(rounded_case(checked, resolution)), output):
             echo(note)

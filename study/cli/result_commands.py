@@ -110,32 +110,47 @@ def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None
 @click.argument("results", type=click.Path(path_type=Path), nargs=-1, required=True, metavar="RESULT...")
 @option.output("HTML file to write.", required=False, show_default="RESULT.html, if there is one")
 @click.option("--author", metavar="NAME", default="", show_default=False, help="Who made the report, for its head.")
-def report(results: tuple[Path, ...], output: Path | None, author: str) -> None:
+@click.option(
+    "--limit",
+    "limits",
+    multiple=True,
+    metavar="'QUANTITY<=VALUE'",
+    help="Limit of a number in the unit of the report, such as 'max_pressure<=1500' or 'least_backlash>=0.1'. May be "
+    "repeated.",
+)
+def report(results: tuple[Path, ...], output: Path | None, author: str, limits: tuple[str, ...]) -> None:
     """Write the report of one or several RESULTs as one HTML file.
 
-    RESULT is a file of 'easeoff run', 'modify', 'optimize', 'wear' or 'vh'; several, such as drive and coast or before
-    and after a change, stand side by side under the names of their files. The report holds case, numbers, charts,
-    pictures of the flanks that answer the pointer, and teeth in three dimensions. It opens in any browser without a
-    network, which also prints it.
+    RESULT is a file of 'easeoff run', 'modify', 'optimize', 'sweep', 'wear' or 'vh'; several, such as drive and coast
+    or before and after a change, stand side by side under what distinguishes them, or else the names of their files.
+    The report holds case, numbers, charts, pictures of the flanks that answer the pointer, and teeth in three
+    dimensions; number and revision of the drawing are those of the case. It opens in any browser without a network,
+    which also prints it.
     """
     quick_start()
     from ...core.errors import InputError
-    from ..report.report_file import write_report
-    from ..result import read_given
+    from ..plot.written_pictures import read_drawn
+    from ..report.report_file import by_name, write_report
 
     if output is None:
         if len(results) > 1:
             raise click.UsageError("-o: must be given with several results, as in -o report.html")
         output = results[0].with_suffix(".html")
     check_output(output, *results, suffix=".html")
-    names = [path.stem for path in results]
-    if len(set(names)) < len(names):
-        names = [str(path.with_suffix("")) for path in results]
-    twice = next((name for name in names if names.count(name) > 1), None)
+    twice = next((path for path in results if results.count(path) > 1), None)
     if twice is not None:
-        raise InputError(f"RESULT = {printable(twice)}: must come once, but comes {names.count(twice)} times")
+        raise InputError(f"RESULT = {printable(str(twice))}: must come once, but comes {results.count(twice)} times")
+    read = [read_drawn(path) for path in results]
+    named = by_name(read)
+    if len(read) == 1 or any(name.startswith("1: ") for name in named):  # nothing that a reader sees distinguishes them
+        stems = [path.stem for path in results]
+        paths = [str(path.with_suffix("")) for path in results]
+        named = dict(zip(stems if len(set(stems)) == len(stems) else paths, read, strict=True))
     with working("drawing the report"):
-        write_report(dict(zip(names, map(read_given, results), strict=True)), output, author=author)
+        write_report(named, output, author=author, limits=limits)
+    for name, path in zip(named, results, strict=True):
+        if len(results) > 1 and name != path.stem:
+            echo(f"{printable(name)}: {path}")
     echo(f"wrote {output}: {output.stat().st_size / 1e6:.1f} MB")
     echo("next: open it in a browser, which also prints it")
 

@@ -169,6 +169,7 @@ def _case(design: Design, designed: PairDesign) -> Case:
         compliance=design.compliance,
         friction=design.friction,
         target=TargetsTable(drive=design.target.drive, coast=design.target.coast),
+        drawing=design.drawing,
     )
 
 

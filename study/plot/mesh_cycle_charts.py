@@ -80,14 +80,14 @@ def transmission_error(
     >>> axes = Figure().subplots()
     >>> easeoff.plot.transmission_error(tree, parts="about_mean", axes=axes)
     >>> axes.get_title(loc="left"), axes.get_ylabel()
-    ('transmission error', 'under load, about its mean [µrad]')
+    ('transmission error', 'lag about its mean [µrad]')
     """
     require_result(tree)
     unloaded, loaded = tree["unloaded"].to_dataset(), tree["loaded"].to_dataset()
     if torque is not None:
         loaded = loaded.isel(torque=chosen_torques(loaded["torque"].values, torque))
     names = chosen_parts(tuple(HEIGHTS), parts)
-    note = "rotation of the gear, positive where the gear lags"
+    note = "lag of the gear, drawn downwards"
     heights = [HEIGHTS[name] for name in names]
     subplots = panels(tree, "Transmission error", sum(heights), note, (len(names), 1), axes, height_ratios=heights)
     over_time = [name for name in names if name != "orders"]
@@ -121,10 +121,12 @@ def draw_unloaded(axes: Axes, unloaded: xr.Dataset, *, on_page: bool = True) -> 
     axes.plot(times, lowest, color=BLUE, linewidth=2.0, label=f"pair that carries,\npeak to peak {swing:.1f} µrad")
     finite = lowest[np.isfinite(lowest)]
     if finite.size:
-        # The curves of the other pairs rise far above: show how they leave, not where they end.
+        # The curves of the other pairs end far below: show how they leave, not where they end.
         extent = max(float(np.ptp(finite)), 1e-3)
-        axes.set_ylim(float(finite.min()) - 0.12 * extent, float(finite.max()) + 0.6 * extent)
-    _finish(axes, "without load [µrad]", on_page=on_page)
+        axes.set_ylim(float(finite.max()) + 0.6 * extent, float(finite.min()) - 0.12 * extent)
+    else:
+        axes.invert_yaxis()
+    _finish(axes, "lag without load [µrad]", on_page=on_page)
 
 
 def draw_loaded(
@@ -145,7 +147,8 @@ def draw_loaded(
         label = f"{curve.name}, {text}" if index in named else None
         axes.plot(times, values, color=colour, label=label, **(NAMED_STYLE if index in named else FADED_STYLE))
     heading = "" if len(named) == torques.size else f"{len(named)} of {torques.size} torques, the others pale"
-    label = "under load, about its mean [µrad]" if about_mean else "under load [µrad]"
+    label = "lag about its mean [µrad]" if about_mean else "lag under load [µrad]"
+    axes.invert_yaxis()
     _finish(axes, label, on_page=on_page, heading=heading)
 
 

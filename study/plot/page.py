@@ -62,7 +62,7 @@ def even_lines(parts: Sequence[str], longest: int = SMALL_PRINT_LENGTH) -> list[
         if len(shorter) > len(lines) or max(map(len, shorter), default=0) > length:
             break
         lines = shorter
-    return [line.replace(HELD, " ") for line in lines]
+    return [line.replace(HELD, " ").removesuffix(" ·") for line in lines]
 
 
 def titled_sheet(heading: str, title: str, print_: str, body_height: float, footer: float = FOOTER) -> Figure:

@@ -14,7 +14,7 @@ from ...core.checks import instance
 from ...core.errors import InputError
 from ..result import PATTERN
 from ..summary.curves import torque_name
-from ..summary.quantities import TITLES, UNIT_SIGNS
+from ..summary.quantities import TITLES, UNIT_SIGNS, with_percent
 from ..summary.sweep_report import outcome
 from ..sweep.reductions import LOADS, ROWS, numbers, point_dimensions, reduced_dimensions, sensitivities, swept_names
 from ..sweep.sweep_file import is_sweep
@@ -126,6 +126,7 @@ def sweep(
     picture = chosen_parts(there, there[0] if picture is None else picture.removeprefix("sweep_"), "picture")[0]
     known = [name for name in DRAWN if name in numbers(dataset) and bool(dataset[name].notnull().any())]
     shown = drawn_numbers(dataset) if names is None else list(chosen_parts(known, names, "names"))
+    dataset = with_percent(dataset)
     if picture == "pattern":
         return _pattern(dataset, axes)
     if picture == "histograms":
@@ -289,7 +290,7 @@ def _pattern(dataset: xr.Dataset, given: AxesChoice) -> Figure:
         colours = colormaps["viridis"](scale(shades))
         known = order[np.isfinite(t[order])]
         outlined = known[np.unique(np.linspace(0, known.size - 1, PATTERN_LIMIT).astype(int))] if known.size else known
-        flank = axes.add_patch(Rectangle((0.0, 0.0), 1.0, 1.0, fill=False, edgecolor=GREY, linewidth=0.8))
+        flank = axes.add_patch(Rectangle((0.0, 0.0), 100.0, 100.0, fill=False, edgecolor=GREY, linewidth=0.8))
         for i in outlined if along not in ROWS else []:
             style = {"fill": False, "edgecolor": colours[i], "linewidth": 0.9, "alpha": 0.8}
             outline = axes.add_patch(Ellipse((t[i], h[i]), length[i], height[i], **style))
@@ -297,10 +298,10 @@ def _pattern(dataset: xr.Dataset, given: AxesChoice) -> Figure:
         if along not in ROWS:
             axes.plot(t[known], h[known], color=FAINT, linewidth=0.8)
         axes.scatter(t[known], h[known], c=colours[known], s=14, zorder=3)
-        axes.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.03))
+        axes.set(xlim=(-3.0, 103.0), ylim=(-3.0, 103.0))
         of_torque = along != "torque" and "torque" in dataset.dims
         words = torque_name(float(dataset["torque"].values[torque])) if of_torque else ""
-        _finish(axes, words, "toe 0 to heel 1", "root 0 to tip 1 (gear)")
+        _finish(axes, words, "from the toe [%]", "from the root [%] (gear)")
     plain_bar(figure.colorbar(ScalarMappable(scale, "viridis"), ax=list(grid), pad=0.02), _label(dataset, by))
     return figure
 

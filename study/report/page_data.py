@@ -57,6 +57,7 @@ def packed_chart(chart: Chart) -> dict[str, Any]:
         "series": curves,
         "by": kind.by,
         "cycle": kind.x == CYCLE,
+        "down": kind.down,
         **{name: value for name, value in further.items() if value is not None},
     }
 

@@ -6,14 +6,16 @@ prints at toe, middle and heel, and over the grid of V and H.
 
 from __future__ import annotations
 
+import base64
 import html
+import io
 import json
 import os
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from importlib import resources
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -24,18 +26,35 @@ from ...core.checks import instance
 from ...core.errors import InputError, printable
 from ...core.output_file import whole_file
 from ...friction.operation import named_models
+from ..analysis.key_numbers import deviations, model_name, modification
+from ..plot.matplotlib_defaults import drawing
 from ..plot.panel_grid import evenly_chosen, middle
 from ..plot.tooth_view import tooth_view
+from ..plot.written_pictures import draw_picture, pictures as pictures_of
 from ..result import ACCEPTED, DAMAGED, FAULT_COUNT_LIMIT, GRID, faults, kind_of, require_kind, require_layout
 from ..summary import curves
-from ..summary.assembly import deflection_tables, supports_tables
+from ..summary.assembly import deflection_tables, misalignment_words, supports_tables
 from ..summary.quantities import roughness_words
 from ..summary.result_summary import head_rows, result_notes
-from ..summary.sweep_report import SIGNS, places_table, reasons, totals
+from ..summary.sweep_report import (
+    SIGNS,
+    failure_reasons,
+    outcome,
+    places_table,
+    reasons,
+    sweep_head,
+    sweep_tables,
+    sweep_title,
+    totals,
+)
 from ..summary.table import with_signs
+from ..sweep.sweep_file import checked_sweep
 from . import page_data, report_tables
 from .contact_mesh import mesh_scene, stored_case
 from .page_data import packed
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 RESULT_COUNT_LIMIT = 6  # with pictures in one report
 
@@ -48,6 +67,7 @@ class GivenResults:
     checks: dict[str, xr.Dataset] = field(default_factory=dict)
     wear: dict[str, xr.Dataset] = field(default_factory=dict)
     load_cases: dict[str, xr.DataTree] = field(default_factory=dict)  # for their tables
+    sweeps: dict[str, xr.Dataset] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)  # on what the report has no pictures of
 
     @classmethod
@@ -57,7 +77,9 @@ class GivenResults:
         joined = {}
         for name, one in given.items():
             kind = kind_of(one)
-            if isinstance(one, xr.DataTree):
+            if isinstance(one, xr.Dataset) and kind == "sweep":
+                parts.sweeps[printable(name)] = checked_sweep(one, name)
+            elif isinstance(one, xr.DataTree):
                 if "load_cases" in one.children:
                     parts.load_cases[printable(name)] = joined[name] = one
                 elif "loaded" in one.children:
@@ -72,7 +94,7 @@ class GivenResults:
         if not len(parts.results) <= RESULT_COUNT_LIMIT or not given:
             raise InputError(
                 f"results = {len(parts.results)} results: must be 1 to {RESULT_COUNT_LIMIT} for one report, and V-H "
-                "checks and wear besides"
+                "checks, wear and sweeps besides"
             )
         for name, one in joined.items():
             parts._take_load_cases(name, one, alone=len(given) == 1)
@@ -99,12 +121,39 @@ class GivenResults:
 
 
 def by_name(results: Sequence[xr.DataTree | xr.Dataset]) -> dict[str, xr.DataTree | xr.Dataset]:
-    """Results by flank, or by title if these differ, with a number where they are alike."""
-    flanks, titles = ([str(tree.attrs.get(key, "")) for tree in results] for key in ("flank", "title"))
-    names = flanks if len(set(titles)) == 1 else titles
+    """Results by what distinguishes them: title, flank, misalignment, torques and so on; else by flank and a number."""
+    words = [_distinctions(one) for one in results]
+    names = [each["kind"] for each in words]
+    for key in words[0] if words else ():
+        if len(set(names)) < len(names) or not all(names):
+            of_kinds = {
+                each["kind"]: {other[key] for other in words if other["kind"] == each["kind"]} for each in words
+            }
+            told = [each[key] if len(of_kinds[each["kind"]]) > 1 else "" for each in words]
+            names = [", ".join(filter(None, both)) for both in zip(names, told, strict=True)]
+    names = [name or each["flank"] for name, each in zip(names, words, strict=True)]
     if len(set(names)) < len(names):
         names = [f"{number}: {name}" for number, name in enumerate(names, 1)]
     return dict(zip(names, results, strict=True))
+
+
+def _distinctions(one: xr.DataTree | xr.Dataset) -> dict[str, str]:
+    """What results may differ by, in words, the most telling first."""
+    attributes, torques = one.attrs, np.zeros(0)
+    if isinstance(one, xr.DataTree) and "loaded" in one.children:
+        torques = np.asarray(one["loaded"]["torque"].values)
+    span = f"{torques.min():g} to {torques.max():g} N m" if torques.size > 1 else "".join(f"{t:g} N m" for t in torques)
+    return {
+        "title": printable(str(attributes.get("title", ""))),
+        "flank": printable(str(attributes.get("flank", ""))),
+        "misalignment": misalignment_words(attributes) or "aligned",
+        "supports": printable(str(attributes.get("supports_name", ""))),
+        "deviations": deviations(attributes),
+        "modification": modification(attributes) and "modified",
+        "model": model_name(attributes),
+        "torques": span,
+        "kind": "" if kind_of(one) in ("result", "other") else kind_of(one),
+    }
 
 
 def _require_whole(name: str, tree: xr.DataTree) -> None:
@@ -192,7 +241,11 @@ Given = xr.DataTree | xr.Dataset
 
 
 def write_report(
-    results: Given | Sequence[Given] | Mapping[str, Given], path: str | os.PathLike[str], *, author: str = ""
+    results: Given | Sequence[Given] | Mapping[str, Given],
+    path: str | os.PathLike[str],
+    *,
+    author: str = "",
+    limits: Sequence[str] = (),
 ) -> None:
     """Write the report of one or several results: tables, charts, flank pictures and turnable teeth in one HTML file.
 
@@ -200,18 +253,21 @@ def write_report(
     ----------
     results
         One or up to six results of ``analyze``, ``modify``, ``optimize`` or ``read_result``; by the name that the
-        report gives them, or in a sequence, of which the report takes flank or title. Of one of load cases, those of
-        the greatest pressure have pictures, and all are in a table. V-H checks of ``study.vh_check`` and histories of
-        ``study.wear`` may be among them, or alone.
+        report gives them, or in a sequence, of which the report takes what distinguishes them: title, flank, torques...
+        Of one of load cases, those of the greatest pressure have pictures, and all are in a table. V-H checks of
+        ``study.vh_check``, histories of ``study.wear`` and sweeps may be among them, or alone.
     path
         File to write, replaced if it exists; missing folders are made.
     author
         Who made the report, for its head.
+    limits
+        Limits of its numbers, such as ``max_pressure<=1500`` or ``efficiency>=96``, in the units of the report.
 
     Raises
     ------
     InputError
-        If there is no result or too many, one is none of these, or the file cannot be written.
+        If a limit has another form, there is no result or too many, one is none of these, or the file cannot be
+        written.
 
     Examples
     --------
@@ -230,19 +286,22 @@ def write_report(
     for one in given.values() if isinstance(given, Mapping) else given:
         instance("one of the results", one, xr.DataTree | xr.Dataset)
     named = given if isinstance(given, Mapping) else by_name(given)
-    text = report_page(named, author)
+    text = report_page(named, author, limits)
     with whole_file(path) as temporary:
         temporary.write_text(text, encoding="utf-8")
 
 
-def report_page(results: Mapping[str, Given], author: str = "") -> str:
-    """Text of the page with results by name, and who made it."""
+def report_page(results: Mapping[str, Given], author: str = "", limits: Sequence[str] = ()) -> str:
+    """Text of the page with results by name, who made it, and limits of its numbers."""
     given = GivenResults.of(results)
+    compared = report_tables.limit_table(limits, given.results)
     data: dict[str, Any] = {
         "results": [_content(name, tree, len(given.results)) for name, tree in given.results.items()],
         "checks": [vh_part(name, check) for name, check in given.checks.items()],
         "wear": [page_data.wear_part(name, worn) for name, worn in given.wear.items()],
         "load_cases": [{"name": name, **report_tables.load_case_rows(tree)} for name, tree in given.load_cases.items()],
+        "sweeps": [sweep_part(name, swept) for name, swept in given.sweeps.items()],
+        "limits": None if compared is None else compared.page(),
         "notes": given.notes,
     }
     title = " · ".join(dict.fromkeys(str(one.attrs.get("title", "")) for one in results.values()))
@@ -266,6 +325,28 @@ def report_page(results: Mapping[str, Given], author: str = "") -> str:
         f'<script type="application/json" id="data">{text}</script>\n<script>\n"use strict";\n{script}</script>\n'
         f"</body></html>\n"
     )
+
+
+def sweep_part(name: str, swept: xr.Dataset) -> dict[str, Any]:
+    """Sweep for the page: head, tables, and pictures as they are in its files."""
+    with drawing(None):
+        pictures = [_embedded(draw_picture(swept, picture)) for picture in pictures_of(swept)]
+    return {
+        "name": name,
+        "title": sweep_title(swept),
+        "head": [[left, with_signs(right)] for left, right in sweep_head(swept)],
+        "outcome": outcome(swept),
+        "reasons": failure_reasons(swept),
+        "tables": [table.page() for table in sweep_tables(swept)],
+        "pictures": pictures,
+    }
+
+
+def _embedded(figure: Figure) -> str:
+    """A figure as the address of a picture that it holds itself."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="svg")
+    return f"data:image/svg+xml;base64,{base64.b64encode(stream.getvalue()).decode()}"
 
 
 def _content(name: str, tree: xr.DataTree, count: int) -> dict[str, Any]:

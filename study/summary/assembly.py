@@ -224,6 +224,52 @@ def _held(tree: xr.DataTree) -> str:
     return "; ".join(parts) or "by matrices"
 
 
+def toleranced_backlash(
+    play: xr.Dataset, mounting: float = 0.0, thinner: float = 0.0, run_out: float = 0.0
+) -> tuple[float, float] | None:
+    """Least and greatest normal backlash at the heel [mm] of a group ``backlash`` within tolerances; ``None`` without.
+
+    Both mounting distances may be off by ``mounting``, both teeth thinner by ``thinner``, and the run-outs of both
+    members, together ``run_out`` between the flanks, at their least or greatest [mm].
+    """
+    if not (mounting or thinner or run_out):
+        return None
+    values = play["outer_normal_backlash"].values
+    shifts = np.abs([play[f"backlash_by_{member}_axial"].values for member in MEMBERS]).sum(axis=0) * mounting
+    lost = 2.0 * thinner * abs(float(play["backlash_by_thickness"]))
+    return float(np.min(values - shifts)) - run_out, float(np.max(values + shifts)) + lost + run_out
+
+
+def backlash_words(tree: xr.DataTree) -> str:
+    """Backlash of a result in words, with the tolerances of its case, or why it is not known; empty if it is older."""
+    if "backlash" not in tree.children:
+        return str(tree.attrs.get("backlash_left_out", "")).replace("the backlash is not known: ", "not known: ")
+    play, drawing = tree["backlash"].to_dataset(), stored_table(tree, "drawing")
+    values = play["outer_normal_backlash"].values
+    words = f"{millimetres(values.min())} to {millimetres(values.max())} mm, normal, at the heel of the gear"
+    within = toleranced_backlash(play, *(drawing.get(f"{each}_tolerance", 0.0) for each in ("mounting", "thickness")))
+    return words if within is None else f"{words}; within tolerances {' to '.join(map(millimetres, within))} mm"
+
+
+MISFIT = -0.002  # [mm]; less is not told
+
+
+def misfit(play: xr.Dataset) -> list[str]:
+    """Warning of teeth that do not fit, by a group ``backlash``; none if they do."""
+    least = float(play["outer_normal_backlash"].min())
+    if not least < MISFIT:
+        return []
+    return [
+        f"Warning: the backlash is negative, down to {millimetres(least)} mm: the teeth do not fit between each other; "
+        "a smaller mean_normal_circular_thickness or larger mounting distances (pinion_axial, gear_axial) give more."
+    ]
+
+
+def millimetres(value: float, form: str = ".3f") -> str:
+    """A length [mm] to the micrometre, without a minus sign of zero."""
+    return f"{round(float(value), 3) + 0.0:{form}}"
+
+
 def stored_table(tree: xr.DataTree, name: str) -> dict[str, Any]:
     """A table in the text of the case that a result keeps; empty if there is none."""
     text = str(tree.attrs.get("case", ""))

@@ -20,14 +20,16 @@ from .quantities import CONDITION_LABELS, FRICTION, LOADED, MEAN_ROUGHNESS, WEAR
 OVER, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
 CYCLE = "mesh position"
 ORDER_COUNT = 4  # of the orders drawn over torque
-ROTATION, TORQUE, REVOLUTIONS = "rotation of the gear [µrad]", CONDITION_LABELS["torque"], "revolutions of the pinion"
+LAG = "lag of the gear [µrad], downwards"  # as the trade draws it; stored values are positive where the gear lags
+TORQUE, REVOLUTIONS = CONDITION_LABELS["torque"], "revolutions of the pinion"
 
 
 @dataclass(frozen=True)
 class ChartKind:
     """Content of a chart: title, label of its ordinate, variable, label of its abscissa.
 
-    ``by`` "torque": a series a torque, all but the chosen one pale; "only": those of the chosen one alone.
+    ``by`` "torque": a series a torque, all but the chosen one pale; "only": those of the chosen one alone. ``down``:
+    greater values are drawn lower.
     """
 
     title: str
@@ -35,6 +37,7 @@ class ChartKind:
     source: str
     x: str = CYCLE
     by: str = "torque"
+    down: bool = False
 
 
 def capital(quantity: Quantity) -> str:
@@ -49,10 +52,10 @@ def _of(quantity: Quantity, source: str, x: str = CYCLE, by: str = "torque") -> 
 
 CHARTS = {
     "te_unloaded": ChartKind(
-        "Transmission error without load", ROTATION, "unloaded/transmission_error", "mesh cycles", ""
+        "Transmission error without load", LAG, "unloaded/transmission_error", "mesh cycles", "", down=True
     ),
-    "te_loaded": ChartKind("Transmission error under load", ROTATION, "loaded/transmission_error"),
-    "te_mean": ChartKind("Transmission error under load, about its mean", ROTATION, "loaded/transmission_error"),
+    "te_loaded": ChartKind("Transmission error under load", LAG, "loaded/transmission_error", down=True),
+    "te_mean": ChartKind("Transmission error under load, about its mean", LAG, "loaded/transmission_error", down=True),
     "te_orders": ChartKind(
         "Orders of the transmission error", "amplitude [µrad]", "loaded/harmonic", "order of the mesh frequency"
     ),

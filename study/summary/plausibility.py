@@ -24,7 +24,7 @@ from ...core.arrays import RealArray as Array
 from ...core.attributes import ROOT_RESOLUTION, ordered
 from ...geometry.pair.member_names import MEMBERS
 from ..result import CONDITIONS
-from .assembly import added_notes, bearing_loads, deflection_notes, towards_heel
+from .assembly import added_notes, bearing_loads, deflection_notes, misfit, towards_heel
 from .quantities import roughness_words
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
@@ -71,6 +71,7 @@ def plausibility(tree: xr.DataTree) -> list[str]:
     notes += [f"Warning: {text}." for text in str(tree.attrs.get("contradictions", "")).split("; ") if text]
     if "root_stress" in tree.children:
         notes.append(f"Note: the root stress is too low, {ROOT_RESOLUTION}.")
+    notes += misfit(tree["backlash"].to_dataset()) if "backlash" in tree.children else []
     left_out = tree.attrs.get("root_stress_left_out")
     if left_out:
         notes.append(f"Note: no root stress. {left_out}")

@@ -54,6 +54,14 @@ def written(value: float, form: str) -> str:
     return format(value, form) if math.isfinite(value) else NO_VALUE
 
 
+def with_percent(dataset: xr.Dataset) -> xr.Dataset:
+    """A dataset with places and sizes of patterns in percent, as people read them."""
+    names = [name for name in dataset.data_vars if name in LOADED and str(name).startswith("pattern_")]
+    return dataset.assign(
+        {name: (100.0 * dataset[name]).assign_attrs(dataset[name].attrs, units="%") for name in names}
+    )
+
+
 def roughness_words(friction: xr.Dataset | xr.DataArray, index: int) -> str:
     """RMS roughness [um] of a number, of both flanks if they differ: pinion/gear."""
     pinion, gear = (f"{friction[f'roughness_{member}'].values[index]:.4g}" for member in ("pinion", "gear"))
@@ -110,6 +118,10 @@ UNLOADED = {
     "unloaded_pattern_length": (Quantity("marking print, length", "%", ".0f", 100.0), "unloaded/pattern_length"),
     "unloaded_pattern_height": (Quantity("marking print, height", "%", ".0f", 100.0), "unloaded/pattern_height"),
 }
+BACKLASH = {
+    "least_backlash": Quantity("least normal backlash at the heel", "mm", ".3f"),
+    "greatest_backlash": Quantity("greatest normal backlash at the heel", "mm", ".3f"),
+}
 #: Numbers over the operating conditions, by their variables in ``friction``.
 FRICTION = {
     "mean_friction_coefficient": Quantity("mean friction coefficient", "", ".4f", column="mean\nmu"),
@@ -123,6 +135,14 @@ FRICTION = {
     "mean_rolling_loss": Quantity("of it rolling", "W", ".1f"),
     "efficiency": Quantity("efficiency", "%", ".2f", 100.0, "efficiency\n%"),
 }
+#: Numbers that a report compares with limits, by their names in ``key_numbers``.
+LIMITED = (
+    LOADED_ROWS
+    | {"max_root_stress": ROOT_STRESS}
+    | {name: one for name, (one, _) in UNLOADED.items()}
+    | BACKLASH
+    | FRICTION
+)
 ROLLING_SHARE = Quantity("rolling part of the power loss", "%", ".1f", 100.0, "rolling\npart %")
 #: Numbers of an optimization, by their variables.
 OPTIMIZED = {
@@ -136,7 +156,7 @@ WEAR_DEPTH = Quantity("greatest wear depth", "µm", ".2f")
 TITLES = {
     **{name: quantity.head for name, quantity in OPTIMIZED.items()},
     "contact_ratio": LOADED["contact_ratio"].head,
-    "pattern_centre_lengthwise": "centre of the pattern, toe 0 to heel 1",
+    "pattern_centre_lengthwise": "centre of the pattern from the toe [%]",
     "max_root_stress": ROOT_STRESS.head,
     "efficiency": "efficiency",
     "largest_depth": WEAR_DEPTH.head,

@@ -18,7 +18,15 @@ from ...core.arrays import Bools
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import deviations, key_numbers, model_name, modification
 from ..result import CONDITIONS, PATTERN
-from .assembly import deflection_tables, misalignment_over_torque, misalignment_words, supports_tables, supports_words
+from .assembly import (
+    backlash_words,
+    deflection_tables,
+    misalignment_over_torque,
+    misalignment_words,
+    stored_table,
+    supports_tables,
+    supports_words,
+)
 from .plausibility import doubts, executed_settings
 from .quantities import FRICTION, LOADED_ROWS, NO_VALUE, ROLLING_SHARE, ROOT_STRESS, Quantity, roughness_words, written
 from .table import ROW_COUNT_LIMIT, WIDTH, Table, summary_text, underlined
@@ -278,7 +286,10 @@ def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
     pair = f"{attrs['pinion_teeth']} x {attrs['gear_teeth']}, {attrs['pinion_hand']}-hand pinion"
     solver = "native" if attrs["solver"] == "auto" else attrs["solver"]
     shared = f"{100 * numbers['common_flank'].item():.0f} % of the gear flank"
+    drawing = stored_table(tree, "drawing")
+    names = {"": drawing.get("drawing_number"), "revision ": drawing.get("revision")}
     head = [
+        ("drawing", ", ".join(f"{name}{value}" for name, value in names.items() if value)),
         ("pair", f"{pair}, {attrs['flank']} flanks"),
         ("misalignment", misaligned),
         ("deflections", str(attrs.get("deflections", ""))),
@@ -286,6 +297,7 @@ def head_rows(tree: xr.DataTree) -> list[tuple[str, str]]:
         ("deviating flanks", deviations(attrs)),
         ("modified ease-off", modification(attrs)),
         ("common flank", f"{shared}, ease-off up to {numbers['max_ease_off'].item():.1f} um"),
+        ("backlash", backlash_words(tree)),
         ("model", model_name(attrs)),
         ("solver", solver),
     ]

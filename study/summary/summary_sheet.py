@@ -1,21 +1,41 @@
-"""Summary sheet of a pair: blanks, cutters and machine settings as an operator sets them, as text or as a page."""
+"""Summary sheet of a pair: what a shop makes, inspects and sets, as text or as a page.
+
+Blanks, teeth, backlash, tolerances, cutters, machine settings and the V-H check.
+"""
 
 from __future__ import annotations
 
+import datetime
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
+from importlib.metadata import version
+from itertools import zip_longest
 
-from ...cases.schema.case_schema import Case, motion_name, usual_name
+import xarray as xr
+
+from ...cases.schema.case_schema import Case, DrawingTable, motion_name, usual_name
 from ...cases.schema.cutting_table import FlankSettings
 from ...cases.writing import with_blanks
 from ...core.checks import instance
+from ...core.errors import EaseoffError, InputError
 from ...geometry.cutting.named_settings import USUAL_RESOLUTION, MachineResolution
-from ...geometry.pair.gear_pair import FlankName
+from ...geometry.pair.gear_pair import MEMBERS, FlankName
 from ..design.design_check import case_warnings, unusual_set_ups
 from ..design.rounded_settings import FLANKS, rounded_case, rounding_effect, step_of_key
+from .assembly import misfit, toleranced_backlash
+from .blank_drawing import (
+    CUTTER_ROWS,
+    ROWS,
+    TOLERANCES,
+    backlash_rows,
+    case_backlash,
+    case_tolerances,
+    implied_dimensions,
+)
 from .plausibility import execution_note
+from .sweep_report import SIGNS as SHIFT_SIGNS, places_table, reasons, totals
 from .table import Table, filled
 
 ANGULAR = ("angle", "tilt", "swivel")
@@ -47,6 +67,8 @@ class SummarySheet:
         What the settings are not made for, and what is doubtful of the teeth, a line each, above the tables.
     signs
         What the settings count positive, below the tables.
+    head
+        Drawing, version and date, a line each.
 
     Examples
     --------
@@ -60,20 +82,27 @@ class SummarySheet:
     effects: tuple[str, ...]
     notes: tuple[str, ...] = ()
     signs: tuple[str, ...] = ()
+    head: tuple[str, ...] = ()
 
     def text(self) -> str:
         """The sheet as text."""
-        parts = [self.title, *([filled(self.notes)] if self.notes else [])]
-        parts += [Table(head, rows, 2, heading).text() for heading, (head, *rows) in self.tables.items()]
+        parts = ["\n".join([self.title, *self.head]), *([filled(self.notes)] if self.notes else [])]
+        parts += [Table(head, rows, _names(heading), heading).text() for heading, (head, *rows) in self.tables.items()]
         return "\n\n".join([*parts, "\n".join(self.effects), *map(filled, [[line] for line in self.signs])]) + "\n"
 
     def page(self) -> str:
         """The sheet as an HTML page that needs nothing else."""
-        parts = [f'<p class="note">{escape(note)}</p>' for note in self.notes]
+        parts = [f"<p>{'<br>'.join(map(escape, self.head))}</p>"] if self.head else []
+        parts += [f'<p class="note">{escape(note)}</p>' for note in self.notes]
         for heading, (head, *rows) in self.tables.items():
-            parts += [f"<h2>{escape(heading)}</h2>", Table(head, rows, 2).in_form("html")]
+            parts += [f"<h2>{escape(heading)}</h2>", Table(head, rows, _names(heading)).in_form("html")]
         effects = "".join(f"<p>{escape(line)}</p>" for line in (*self.effects, *self.signs))
         return PAGE.format(title=escape(self.title), body="\n".join([*parts, effects]))
+
+
+def _names(heading: str) -> int:
+    """Columns of a table that name its rows: name and unit, or the place of a V-H check."""
+    return 1 if heading.startswith("V-H") else 2
 
 
 PAGE = """<!DOCTYPE html>
@@ -96,7 +125,12 @@ th, td {{ padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; }}
 """
 
 
-def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> SummarySheet:
+def summary_sheet(
+    case: Case,
+    resolution: MachineResolution | None = None,
+    *,
+    vh_checks: Mapping[FlankName, xr.Dataset] | None = None,
+) -> SummarySheet:
     """Summary sheet of a case, its settings rounded to a resolution.
 
     Parameters
@@ -105,12 +139,14 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
         A checked case.
     resolution
         Steps; the usual ones if left out.
+    vh_checks
+        V-H checks by flank, as of ``study.vh_check``, that the sheet is to show.
 
     Returns
     -------
     SummarySheet
-        Blanks, cutters and machine settings of every flank, with the resolution of each setting, what rounding changes
-        of the ease-off, and notes on set-ups and teeth.
+        Blanks, teeth and backlash, tolerances by accuracy grade, cutters and machine settings of every flank, with the
+        resolution of each setting, what rounding changes of the ease-off, and notes on set-ups and teeth.
 
     Raises
     ------
@@ -124,25 +160,103 @@ def summary_sheet(case: Case, resolution: MachineResolution | None = None) -> Su
     >>> shells = case.compliance.model_copy(update={"model": "shell"})
     >>> sheet = summary_sheet(case.model_copy(update={"compliance": shells}))
     >>> list(sheet.tables)
-    ['Blanks', 'Cutters', 'Machine settings', 'Teeth and slots']
+    ['Blanks', 'Dimensions', 'Cutters', 'Machine settings', 'Teeth and slots']
+    >>> sheet.tables["Blanks"][4]
+    ('hypoid offset', 'mm', '20.0000', '20.0000')
     """
     instance("case", case, Case)
-    steps = USUAL_RESOLUTION if resolution is None else resolution
+    steps, checks = USUAL_RESOLUTION if resolution is None else resolution, vh_checks or {}
     rounded = with_blanks(rounded_case(case, steps))
     effect = rounding_effect(case, rounded_case(case, steps))
     spaces, warnings = case_warnings(rounded)
+    dimensions = implied_dimensions(rounded)
+    tolerances, backlash, doubts = _tolerances_and_backlash(rounded, dimensions)
     return SummarySheet(
         case.title,
         {
             "Blanks": tuple(_blanks(rounded)),
+            "Dimensions": tuple(_dimensions(rounded, dimensions)),
+            **({"Tolerances by ISO 17485": tolerances} if tolerances else {}),
+            **({"Backlash": backlash} if backlash else {}),
             "Cutters": tuple(_settings(rounded, steps, "cutter")),
             "Machine settings": tuple(_settings(rounded, steps, "machine")),
             **({"Teeth and slots": tuple(spaces.rows())} if spaces is not None else {}),
+            **{f"V-H check, {flank}": tuple(_vh_rows(check)) for flank, check in checks.items()},
         },
-        tuple(effect_line(side, value) for side, value in effect.items()),
-        (*execution_note(case.corrected_flanks), *unusual_set_ups(case), *(f"Warning: {text}" for text in warnings)),
-        SIGNS,
+        (
+            *(effect_line(side, value) for side, value in effect.items()),
+            *(f"V-H {flank}: {line}" for flank, check in checks.items() for line in (*reasons(check), totals(check))),
+        ),
+        (
+            *execution_note(case.corrected_flanks),
+            *unusual_set_ups(case),
+            *doubts,
+            *(f"Warning: {text}" for text in warnings),
+        ),
+        SIGNS + ("; ".join(SHIFT_SIGNS) + ".",) * bool(checks),
+        tuple(_head(case.drawing)),
     )
+
+
+def _head(drawing: DrawingTable) -> Iterator[str]:
+    """Drawing, accuracy grade, version and date."""
+    names = {"drawing": drawing.drawing_number, "revision": drawing.revision, "ISO 17485 grade": drawing.accuracy_grade}
+    if words := ", ".join(f"{name} {value}" for name, value in names.items() if value):
+        yield words
+    yield f"{datetime.date.today().isoformat()}, easeoff {version('easeoff')}"
+
+
+def _dimensions(case: Case, dimensions: Mapping[str, Mapping[str, float]]) -> Iterator[tuple[str, ...]]:
+    """Rows of dimensions of blanks and teeth, mounting and material; cutters stand in a table of their own."""
+    yield "", "unit", *MEMBERS
+    members = case.pinion, case.gear
+    drawing = case.drawing
+    mounting = [getattr(drawing, f"{name}_mounting_distance") for name in MEMBERS]
+    if any(mounting):
+        within = f" ± {drawing.mounting_tolerance:g}" if drawing.mounting_tolerance else ""
+        yield "mounting distance", "mm", *(NO_VALUE if each is None else f"{each:.3f}{within}" for each in mounting)
+    supports = [getattr(case.supports, name, None) for name in MEMBERS]
+    seats = [[f"{b.name} {b.position:.3f}" for b in (each.bearings if each is not None else ())] for each in supports]
+    for bearings in zip_longest(*seats, fillvalue=NO_VALUE):
+        yield "bearing from the crossing point", "mm", *bearings
+    steels = [f"E {each.material.elastic_modulus:g}, nu {each.material.poisson_ratio:g}" for each in members]
+    yield "material", "MPa, 1", *steels
+    for key, (name, unit) in ROWS.items():
+        values = [each.get(key, math.nan) for each in dimensions.values()]
+        if key not in CUTTER_ROWS and any(map(math.isfinite, values)):
+            yield name, unit.replace("°", "deg"), *(f"{value:.4f}" for value in values)
+
+
+def _tolerances_and_backlash(
+    case: Case, dimensions: Mapping[str, Mapping[str, float]]
+) -> tuple[tuple[tuple[str, ...], ...], tuple[tuple[str, ...], ...], list[str]]:
+    """Tables of the tolerances and of the backlash, empty where there are none, and notes on what is not known."""
+    doubts, tolerances = [], {}
+    try:
+        tolerances = case_tolerances(case, dimensions)
+    except InputError as error:
+        doubts.append(f"Note: no tolerances: {error}")
+    table: list[tuple[str, ...]] = [("", "unit", *MEMBERS)]
+    for key, name in TOLERANCES.items():
+        if values := [each[key] for each in tolerances.values() if key in each]:
+            table.append((name, "um", *(f"{value:g}" for value in values)))
+    try:
+        play = case_backlash(case)
+    except EaseoffError as error:
+        return (tuple(table) if tolerances else ()), (), [*doubts, f"Note: {error}"]
+    pressure = [each[f"{side}_pressure_angle"] for each in dimensions.values() for side in FLANKS]
+    run_out = 1e-3 * sum(each.get("run_out", 0.0) for each in tolerances.values())
+    run_out *= math.sin(math.radians(sum(map(abs, pressure)) / 4.0))
+    within = toleranced_backlash(play, case.drawing.mounting_tolerance, case.drawing.thickness_tolerance, run_out)
+    rows = backlash_rows(play, within, dimensions["gear"]["outer_transverse_module"])
+    return tuple(table) if tolerances else (), (("", "unit", "least", "greatest"), *rows), [*doubts, *misfit(play)]
+
+
+def _vh_rows(check: xr.Dataset) -> Iterator[tuple[str, ...]]:
+    """Rows of a V-H check, a place each, under their heads."""
+    table = places_table(check)
+    yield tuple(head if isinstance(head, str) else head.column or head.head for head in table.heads)
+    yield from map(tuple, table.rows)
 
 
 def effect_line(side: FlankName, effect: float) -> str:

@@ -17,7 +17,7 @@ from ...geometry.pair.gear_pair import MEMBERS
 from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
 from ..sweep.sweep_file import PointStatus
 from .assembly import error_values
-from .quantities import LOADED, WEAR_DEPTH
+from .quantities import LOADED, WEAR_DEPTH, with_percent
 from .table import Table, filled, underlined
 
 #: Numbers that are shown, where a sweep has them.
@@ -79,7 +79,7 @@ def shown_numbers(dataset: xr.Dataset) -> list[str]:
 
 def sweep_tables(dataset: xr.Dataset) -> list[Table]:
     """Tables of a sweep: percentiles, sensitivities and worst points; none without a certified point."""
-    known = shown_numbers(dataset)
+    known, dataset = shown_numbers(dataset), with_percent(dataset)
     if not known:
         return []
     return [_percentile_table(dataset, known), *_sensitivity_tables(dataset), *_worst(dataset)]

@@ -47,7 +47,10 @@ class LineChart {
   }
 
   px(x) { return ((x - this.shown[0]) / (this.shown[1] - this.shown[0] || 1)) * this.wide; }
-  py(y) { return this.high - ((y - this.y0) / (this.y1 - this.y0)) * this.high; }
+  py(y) {
+    const share = (y - this.y0) / (this.y1 - this.y0);
+    return (this.chart.down ? share : 1 - share) * this.high;
+  }
 
   tint(one) {
     const { by, per } = this.chart, count = this.result.torques.length;

@@ -41,7 +41,7 @@ function table(parent, heads, rows, caption) {
 function storedTable(parent, one) {
   const wide = element("div", "wide", parent);
   table(wide, one.heads, one.rows, one.title).classList.add("right");
-  if (one.variables) element("p", "small variable-line", wide, `Variables: ${one.variables.join(", ")}.`);
+  if (one.variables?.length) element("p", "small variable-line", wide, `Variables: ${one.variables.join(", ")}.`);
 }
 
 function section(id, name) {
@@ -118,6 +118,7 @@ function summary() {
   if (!results.length && !data.notes.length) return;
   const node = section("summary", "Summary");
   for (const note of data.notes) element("p", "note", node, note);
+  if (data.limits) storedTable(node, data.limits);
   for (const result of results) {
     const box = element("div", "result", node);
     if (several) element("h3", "", box, result.name);
@@ -532,6 +533,19 @@ function wear() {
   });
 }
 
+function sweeps() {
+  if (!data.sweeps.length) return;
+  const node = section("sweep", "Sweep");
+  for (const sweep of data.sweeps) {
+    element("h3", "", node, `${sweep.name}: ${sweep.title}`);
+    table(node, ["", ""], sweep.head).classList.add("plain");
+    element("p", "", node, sweep.outcome);
+    for (const reason of sweep.reasons) element("p", "note", node, reason);
+    for (const one of sweep.tables) storedTable(node, one);
+    for (const picture of sweep.pictures) element("img", "picture", node).src = picture;
+  }
+}
+
 summary();
 comparison();
 loadCases();
@@ -553,6 +567,7 @@ if (results.length) {
   friction();
 }
 wear();
+sweeps();
 if (results.length) caseTables();
 const footer = element("footer", "", document.body);
 footer.textContent = `easeoff ${data.version}. The words under a title name the variables of the result that a picture or number shows (group/variable, or group.attribute). Values of pictures are rounded to 1/131000 of their range, those of charts to seven digits.`;

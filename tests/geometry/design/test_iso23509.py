@@ -28,7 +28,7 @@ from easeoff.cases import Case, shipped_cases
 from easeoff.cases.writing import with_blanks
 from easeoff.geometry import BlankDesign, BlankDimensions, blank_dimensions
 from easeoff.geometry.design.iso23509.pitch_cones import PitchCones, crown_gear
-from easeoff.study.report.report_tables import ROWS, dimension_rows, implied_dimensions
+from easeoff.study.summary.blank_drawing import ROWS, dimension_rows, implied_dimensions
 from easeoff.study.summary.curves import _weighted_mean
 
 SAMPLES: dict[str, Any] = tomllib.loads((DATA / "iso23509_samples.toml").read_text())
@@ -515,7 +515,7 @@ def test_depth_thickness_and_places_suit_each_other(name: str) -> None:
         blank = getattr(case, member).blank
         assert set(own) == set(ROWS)
         assert own["heel"] - own["toe"] == pytest.approx(blank.face_width * math.cos(math.radians(blank.pitch_angle)))
-        assert 1.5 < own["mean_depth"] / own["mean_normal_module"] < 2.5
+        assert 1.5 < (own["mean_addendum"] + own["mean_dedendum"]) / own["mean_normal_module"] < 2.5
         assert 0.3 < own["mean_normal_thickness"] / (math.pi * own["mean_normal_module"]) < 0.7
 
 
@@ -524,7 +524,7 @@ def test_what_one_set_of_flanks_cannot_tell_is_left_out() -> None:
     one_side = case.model_copy(update={"gear": case.gear.model_copy(update={"concave": None})})
     rows = {row[0]: row[3:] for row in dimension_rows(one_side)}
     assert rows["mean radius of the blade tips"][1] == "–"
-    assert rows["outer pitch diameter"][1] != "–"
+    assert rows["outer pitch diameter d_e"][1] != "–"
 
 
 def test_means_by_force_ignore_what_has_none() -> None:

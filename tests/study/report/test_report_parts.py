@@ -30,10 +30,11 @@ from easeoff.core.attributes import labelled, ordered, units_of, variable_attrib
 from easeoff.study import analyze_load_cases, write_report
 from easeoff.study.report import report_file
 from easeoff.study.report.report_file import RESULT_COUNT_LIMIT, GivenResults, by_name, report_page
-from easeoff.study.report.report_tables import load_case_rows
+from easeoff.study.report.report_tables import limit_table, load_case_rows
 from easeoff.study.summary.assembly import bearing_loads, supports_tables, supports_words
 from easeoff.study.summary.result_summary import result_summary
 from easeoff.study.summary.table import with_signs
+from easeoff.study.sweep import sweep
 from easeoff.study.vh import write_vh_check
 
 Array = NDArray[Any]
@@ -268,11 +269,46 @@ def test_load_cases_stand_in_a_table_and_the_heaviest_have_pictures(monkeypatch:
 # --- files
 
 
-def test_results_of_one_flank_are_numbered() -> None:
+def test_results_are_named_by_what_distinguishes_them() -> None:
+    """By no more than that takes; a number where nothing does. Kinds are named apart."""
     flanks = ("drive", "coast", "drive")
-    given = [xr.Dataset(attrs={"flank": flank}) for flank in flanks]
+    given = [xr.Dataset(attrs={"flank": flank, "misalignment_offset_mm": 0.1 * n}) for n, flank in enumerate(flanks)]
     assert list(by_name(given[:2])) == ["drive", "coast"]
-    assert list(by_name(given[::2])) == ["1: drive", "2: drive"]
+    assert list(by_name(given[::2])) == ["aligned", "E +0.2 mm"]
+    assert list(by_name(given)) == ["drive, aligned", "coast, E +0.1 mm", "drive, E +0.2 mm"]
+    assert list(by_name([given[0], given[0]])) == ["1: drive", "2: drive"]
+    assert list(by_name([given[0], given[0].assign(wear_depth=0.0)])) == ["drive", "wear"]
+
+
+def test_limits_are_compared_with_the_worst_value(strength: xr.DataTree) -> None:
+    greatest = float(strength["loaded/max_pressure"].max())
+    limits = [
+        f"max_pressure<={greatest + 1.0}",
+        f"max_pressure<={greatest - 1.0}",
+        "contact_ratio>=9",
+        "efficiency>=90",
+    ]
+    table = limit_table(limits, {"one": strength})
+    assert table is not None
+    cells = [row[2] for row in table.rows]
+    assert cells[0] == f"{greatest:.0f}"
+    assert cells[1] == f"{greatest:.0f}: beyond"
+    assert cells[2].endswith(": beyond")
+    assert [table.rows[0][0], table.rows[1][1]] == ["greatest pressure [MPa]", f"<= {greatest - 1.0:g}"]
+    with pytest.raises(InputError, match="did you mean"):
+        limit_table(["max_presure<=1"], {"one": strength})
+    with pytest.raises(InputError, match="must be such as"):
+        limit_table(["max_pressure=1"], {"one": strength})
+
+
+@pytest.mark.thorough
+def test_a_sweep_stands_in_the_report_with_its_tables_and_pictures(strength: xr.DataTree) -> None:
+    swept = sweep(small("fm-11x41", "shell"), {"E": [-0.05, 0.05], "torque": [50.0, 150.0]})
+    found = content(report_page({"one": strength, "sweep": swept}))["sweeps"]
+    assert [part["name"] for part in found] == ["sweep"]
+    assert found[0]["tables"][0]["title"].startswith("Percentiles")
+    assert all(picture.startswith("data:image/svg+xml;base64,") for picture in found[0]["pictures"])
+    assert found[0]["pictures"]
 
 
 def test_units_on_the_page_have_their_signs() -> None:
@@ -308,7 +344,7 @@ def test_a_damaged_check_and_a_sweep_are_one_message(check: xr.Dataset, tmp_path
     path = tmp_path / "sweep.nc"
     xr.Dataset({"a": 1.0}, attrs={"sweep_schema_version": 1}).to_netcdf(path)
     said = refusal_of("report", path, "-o", tmp_path / "r.html")
-    assert "is of 'easeoff sweep', which keeps numbers and no pictures" in said
+    assert "easeoff sweep CASE -o FILE" in said
     assert not (tmp_path / "r.html").exists()
 
 

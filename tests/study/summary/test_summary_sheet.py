@@ -36,9 +36,13 @@ from easeoff.cases import (
 from easeoff.cases.schema.case_schema import motion_name, usual_name
 from easeoff.cases.writing import changed_case, with_blanks
 from easeoff.geometry import MachineResolution, ease_off
-from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect, summary_sheet
+from easeoff.geometry.pair.gear_pair import tooth_angles
+from easeoff.geometry.pair.tooth_thickness import filling_thickness
+from easeoff.geometry.tooth.tooth_flanks import placed_flanks
+from easeoff.study import DesignReport, design_case, rounded_case, rounding_effect, summary_sheet, vh_check
 from easeoff.study.design.design_check import ToothSpaces, case_warnings, rounding_limits, unusual_set_ups
 from easeoff.study.design.rounded_settings import FLANKS, step_of_key
+from easeoff.study.summary.blank_drawing import ROWS, case_backlash
 
 SIDES: tuple[Any, Any] = ("drive", "coast")
 COARSE = MachineResolution(length=0.02, angle=0.02, blade_radius=0.05, blade_angle=0.25, edge_radius=0.1)
@@ -188,7 +192,9 @@ def test_command_writes_sheets_that_tell_what_is_doubtful_of_the_teeth(tmp_path:
     write_case(doubtful(), tmp_path / "case.toml")
     for name in ("sheet.txt", "sheet.html", "sheet.rexs"):
         path = tmp_path / name
-        outcome = call("sheet", tmp_path / "case.toml", "-o", path, "--resolution", "length=0.05,angle=0.002")
+        outcome = call(
+            "sheet", tmp_path / "case.toml", "-o", path, "--resolution", "length=0.05,angle=0.002", "--without-vh"
+        )
         assert outcome.exit_code == 0, outcome.output
         assert "ease-off by up to" in outcome.output
         assert "Warning: the gear's fillet reaches" in outcome.stderr
@@ -220,8 +226,9 @@ def test_sheet_tells_set_ups_that_no_method_of_the_shop_makes() -> None:
     case = read_case("fm-11x41")
     assert case.pinion.concave is not None
     assert case.pinion.convex is not None
-    (note,) = summary_sheet(case).notes
+    note, doubt = summary_sheet(case).notes
     assert "concave and convex" in note
+    assert "the thickness of the teeth of the pinion is not given" in doubt
     upright = {f"pinion.concave.machine.{key}": 0.0 for key in ("modified_roll_2c", "modified_roll_6d")}
     (note,) = unusual_set_ups(changed_case(case, upright))
     assert "pinion's convex flank has" in note
@@ -262,7 +269,7 @@ def _read_back(folder: Path, case: Case) -> None:
     path = folder / "case.toml"
     write_case(case, path)
     for suffix in ("txt", "html", "rexs"):
-        outcome = call("sheet", path, "-o", folder / f"sheet.{suffix}")
+        outcome = call("sheet", path, "-o", folder / f"sheet.{suffix}", "--without-vh")
         assert outcome.exit_code == 0, outcome.output
     page = _tables((folder / "sheet.html").read_text(encoding="utf-8"))
     text = _text_tables((folder / "sheet.txt").read_text(encoding="utf-8"))
@@ -419,3 +426,100 @@ def test_limits_of_a_design_reach_its_rounding(tmp_path: Path) -> None:
 def test_settings_and_their_motions_have_the_usual_names() -> None:
     assert [usual_name(key) for key in ("cutter_tilt", "hypoid_offset")] == ["tilt", "hypoid offset"]
     assert [motion_name(key) for key in ("sliding_base", "cutter_tilt")] == ["helical motion", "motion of tilt"]
+
+
+# --- What a shop makes and inspects
+
+
+SHIFTED = ("pinion away from the crossing point", "gear away from the crossing point")
+
+
+@cache
+def drawn() -> tuple[Case, dict[str, dict[str, tuple[str, ...]]]]:
+    """A pair with a title block whose pinion is 0.15 mm thinner than the slot; cells of its sheet by table and row."""
+    case = by_the_dissertation("fh-design-a")
+    thickness = {"mid_flank_normal_circular_thickness": filling_thickness(gear_pair(case)) - 0.15}
+    drawing = {"drawing_number": "4711-02", "revision": "B", "accuracy_grade": 6, "pinion_mounting_distance": 120.0}
+    tolerances = {"mounting_tolerance": 0.03, "thickness_tolerance": 0.04}
+    contact = {"mesh_positions": 6, "lengthwise_nodes": 15, "profile_nodes": 11}
+    case = case.with_tables(pinion=thickness, drawing=drawing | tolerances, contact=contact)
+    sheet = summary_sheet(case)
+    assert "drawing 4711-02, revision B, ISO 17485 grade 6" in sheet.text()
+    assert sheet.tables["Dimensions"][1] == ("mounting distance", "mm", "120.000 ± 0.03", "-")
+    return case, {heading: {row[0].strip(): row[1:] for row in rows} for heading, rows in sheet.tables.items()}
+
+
+def test_sheet_has_the_backlash_of_a_thinner_pinion() -> None:
+    """Between the flanks at the heel where both sides are in contact; elsewhere more, by both transmission errors."""
+    _, tables = drawn()
+    unit, least, greatest = tables["Backlash"]["normal backlash at the heel"]
+    assert unit == "mm"
+    assert float(least) == pytest.approx(0.15, rel=0.06)  # a mid-flank arc, seen at the heel of the gear
+    assert float(least) < float(greatest) < float(least) + 0.02
+    _, low, high = tables["Backlash"]["with the tolerances"]
+    run_out = sum(map(float, tables["Tolerances by ISO 17485"]["run-out F_rT"][1:])) * 1e-3 * math.sin(math.radians(20))
+    shims = [max(map(float, tables["Backlash"][f"change by 0.1 mm, {each}"][1:])) for each in SHIFTED]
+    assert float(low) == pytest.approx(float(least) - 0.3 * sum(shims) - run_out, abs=3e-3)
+    # Two teeth thinner by 0.04 mm at the mean point, seen at the heel between the flanks.
+    assert float(high) - float(greatest) == pytest.approx(0.3 * sum(shims) + run_out + 0.08, abs=0.01)
+
+
+@pytest.mark.thorough
+def test_design_leaves_the_backlash_that_it_asked_for() -> None:
+    """ISO 23509 takes half of it off each tooth; measured on the flanks it is there, least over the mesh cycle."""
+    design = read_design("axle-hobbed-11x39")
+    basic = design.blank_design.model_copy(update={"outer_normal_backlash": 0.15})
+    shells = design.compliance.model_copy(update={"model": "shell"})
+    case, _ = design_case(design.model_copy(update={"blank_design": basic, "compliance": shells}))
+    assert float(case_backlash(case)["outer_normal_backlash"].min()) == pytest.approx(0.15, abs=0.006)
+
+
+def test_thicknesses_and_backlash_add_up_to_the_pitch() -> None:
+    """Both normal circular thicknesses at the mean point and the backlash, as an arc: to the ease-off of the flanks."""
+    _, tables = drawn()
+    rows = tables["Dimensions"]
+    thickness = sum(map(float, rows["mean normal circular thickness s_mn"][1:]))
+    module, spiral = (float(rows[name][2]) for name in ("mean normal module m_mn", "mean spiral angle"))
+    least = float(tables["Backlash"]["transverse backlash at the mean point"][1]) * math.cos(math.radians(spiral))
+    assert thickness + least == pytest.approx(math.pi * module, abs=0.03)
+
+
+@pytest.mark.parametrize("name", ["pinion", "gear"])
+def test_chordal_thickness_is_the_distance_of_both_flanks(name: str) -> None:
+    """Least distance of the traces of both flanks of a tooth on the pitch cone, through the mean point of one."""
+    case, tables = drawn()
+    pair = gear_pair(case)
+    member = getattr(pair, name)
+    number = ("pinion", "gear").index(name)
+    distance = float(tables["Dimensions"]["mean cone distance R_m"][1 + number])
+    flanks = placed_flanks(member, tooth_angles(pair)[number])
+    along = distance + np.linspace(-12.0, 12.0, 801)
+    traces = [each.at(*member.section.on_pitch_cone(along[:, None]).T).position for each in flanks.values()]
+    apart = np.linalg.norm(traces[0][:, :, None] - traces[1][:, None, :], axis=0)
+    # The chord whose middle is at the mean cone distance, not that where the tooth is thinnest.
+    middle = 0.5 * (along[:, None] + along[None, :])
+    near = np.abs(middle - distance) < 0.02
+    chord = float(apart[near].min())
+    assert chord == pytest.approx(
+        float(tables["Dimensions"]["mean normal chordal thickness s_mnc"][1 + number]), rel=0.004
+    )
+
+
+def test_blank_dimensions_are_those_of_the_standard() -> None:
+    """Measured on the case, against ISO 23509 from the basic data: two ways to the same blank."""
+    _, tables = drawn()
+    design = read_design("fh-design-a")
+    blanks = designed_blanks(design.blank_design, (12, 41), design.pair)
+    for key in ("outer_pitch_diameter", "outer_tip_diameter", "outer_whole_depth", "crown_distance", "mean_addendum"):
+        for number, member in enumerate((blanks.pinion, blanks.gear)):
+            shown = float(tables["Dimensions"][ROWS[key][0]][1 + number])
+            assert shown == pytest.approx(getattr(member, key), abs=2e-3)
+
+
+@pytest.mark.thorough
+def test_v_h_check_stands_on_the_sheet() -> None:
+    case = by_the_dissertation("fh-design-a").with_tables(contact={"mesh_positions": 4})
+    check = vh_check(case)
+    sheet = summary_sheet(case, vh_checks={"drive": check})
+    assert [row[0] for row in sheet.tables["V-H check, drive"][1:]] == ["toe", "middle", "heel"]
+    assert f"total V {float(check['total_v']):+.3f} mm" in sheet.text()
