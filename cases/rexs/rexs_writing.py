@@ -42,6 +42,7 @@ class ContactPoints:
     flank: FlankName
     points: Array  # (n, 3) on the gear flank, in the frame of the gear [mm]
     values: Mapping[str, Array]  # (n)
+    backlash: Mapping[str, float]  # those known, by the keys of ``STAGE_BACKLASH`` and ``GEAR_BACKLASH`` [mm]
 
 
 def write_rexs(case: Case, path: str | os.PathLike[str], contact: ContactPoints | None = None) -> list[str]:
@@ -132,11 +133,13 @@ def write_rexs(case: Case, path: str | os.PathLike[str], contact: ContactPoints 
 
 def _write_contact(file: ModelWriter, stage: int, gears: Mapping[int, Hand], contact: ContactPoints) -> None:
     """Add which flank of the pinion and of the gear is loaded, and the points with their values to the gear."""
-    data = 0
+    gear = data = 0
     for (gear, hand), loaded in zip(gears.items(), MATING_SIDES[contact.flank], strict=True):
         role = next(role for role in HANDS if side(hand, role) == loaded)
         data = file.component("bevel_stage_gear_data", f"{loaded} flank", [(Term("loaded_tooth_flank", "none"), role)])
         file.relation("stage_gear_data", stage=stage, gear=gear, stage_gear_data=data)
+    for number, terms in ((stage, rexs.STAGE_BACKLASH), (gear, rexs.GEAR_BACKLASH)):
+        file.add(number, [(term, contact.backlash[key]) for key, term in terms.items() if key in contact.backlash])
     x, y, z = contact.points.T
     columns = {Term(f"point_coordinates_{axis}_coord", "mm"): at for axis, at in zip("uvw", (z, -y, x), strict=True)}
     numbers = range(1, len(contact.points) + 1)

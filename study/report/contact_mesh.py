@@ -19,6 +19,7 @@ import xarray as xr
 
 from ...cases.conversion import gear_pair
 from ...cases.reading import CASE
+from ...cases.rexs.rexs_vocabulary import GEAR_BACKLASH, STAGE_BACKLASH
 from ...cases.rexs.rexs_writing import ContactPoints, write_rexs
 from ...cases.schema.case_schema import MATING_SIDES, Case, MisalignmentTable
 from ...contact.lines.contact_lines import boundary_distance, contact_splines
@@ -366,9 +367,9 @@ def export_contact(
     The teeth stand as rigid ones of conjugate flanks would: deformation, rotation under load and motion of supports are
     not drawn, and the flanks are apart or overlap by some hundredths of a millimetre where they touch.
 
-    REXS holds the case, and the contact points on the gear flank over the whole mesh cycle with ease-off, Hertzian
-    pressure, load per length and, with friction, its coefficient, the ratio of film to roughness, sliding velocity and
-    flash temperature. Segments on sharp edges, which have no pressure, are left out.
+    REXS holds the case, its least backlash if known, and the contact points on the gear flank over the whole mesh cycle
+    with ease-off, Hertzian pressure, load per length and, with friction, its coefficient, the ratio of film to
+    roughness, sliding velocity and flash temperature. Segments on sharp edges, which have no pressure, are left out.
 
     Parameters
     ----------
@@ -444,7 +445,12 @@ def _write_points(tree: xr.DataTree, path: Path, torque: float | None) -> str:
     said = f"contact points on the gear flank at {float(loaded['torque']):g} N m"
     points = flank_positions(flanks, "gear")("position", places[:, kept]).T
     errors = {error.name: error.factor * float(tree.attrs[error.attribute]) for error in ERRORS}
-    contact = ContactPoints(said, tree.attrs["flank"], points, {name: column[kept] for name, column in values.items()})
+    known = {name: column[kept] for name, column in values.items()}
+    backlash = {}
+    if "backlash" in tree.children:
+        least = tree["backlash"].to_dataset()[[*STAGE_BACKLASH, *GEAR_BACKLASH]].min()
+        backlash = {str(name): float(value) for name, value in least.items() if np.isfinite(value)}
+    contact = ContactPoints(said, tree.attrs["flank"], points, known, backlash)
     write_rexs(case.model_copy(update={"misalignment": MisalignmentTable(**errors)}), path, contact)
     return f"{len(points)} {said}"
 

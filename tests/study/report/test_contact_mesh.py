@@ -295,3 +295,19 @@ def test_a_torque_without_contact_is_refused(tree: xr.DataTree, tmp_path: Path) 
     with pytest.raises(InputError, match="torque = 100: must be one with contact in the result"):
         export_contact(empty, tmp_path / "pair.rexs")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_the_least_backlash_stands_at_the_stage_and_at_the_gear(tree: xr.DataTree, tmp_path: Path) -> None:
+    where = {"mean_normal": "bevel_stage", "outer_normal": "bevel_stage", "mean_transverse": "bevel_gear"}
+    where["outer_transverse"] = "bevel_gear"
+    known = tree.copy()
+    columns = {
+        f"{name}_backlash": ("mesh_position", [0.3, np.nan, 0.1 + 0.01 * at, 0.2]) for at, name in enumerate(where)
+    }
+    known["backlash"] = xr.DataTree(xr.Dataset(columns))
+    export_contact(known, tmp_path / "pair.rexs")
+    model = read_model(tmp_path / "pair.rexs")
+    for at, (name, kind) in enumerate(where.items()):
+        holders = [c for c in model.components.values() if f"{name}_backlash" in c.attributes]
+        assert [(c.kind, c.number_of(Term(f"{name}_backlash", "mm"))) for c in holders] == [(kind, 0.1 + 0.01 * at)]
+        assert kind == "bevel_stage" or holders[0].name == "gear"
