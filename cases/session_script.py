@@ -151,11 +151,11 @@ class _State:
 
 
 def read_settings(path: str | os.PathLike[str]) -> tuple[dict[MenuPath, dict[str, Setting]], list[str]]:
-    """Settings of a script by menu and keyword, and the lines that were not understood."""
+    """Settings of a script by menu and keyword, and notes on lines that were not understood or say the same again."""
     text = read_text(path, SCRIPT_SIZE_LIMIT, line_limit=LINE_LENGTH_LIMIT)
     state = _State()
     settings: dict[MenuPath, dict[str, Setting]] = {}
-    unknown: list[str] = []
+    notes: list[str] = []
     for line, content in enumerate(text.splitlines(), start=1):
         words = content.split("//", 1)[0].split()[:WORD_COUNT_LIMIT]
         while words:
@@ -173,15 +173,20 @@ def read_settings(path: str | os.PathLike[str]) -> tuple[dict[MenuPath, dict[str
             elif keyword in MENU_KEYWORDS.get(state.menu, ()):
                 if not rest:
                     raise InputError(f"{path}: line {line}: {keyword} has no value")
-                settings.setdefault(state.menu_path(), {})[keyword] = Setting(keyword, rest[0], line)
+                menu = settings.setdefault(state.menu_path(), {})
+                if keyword in menu:
+                    notes.append(
+                        f"line {line}: {keyword} {rest[0]} replaces {menu[keyword].value} of line {menu[keyword].line}"
+                    )
+                menu[keyword] = Setting(keyword, rest[0], line)
                 words = rest[1:]
             elif keyword in MENU_NAMES and not (rest and rest[0].isdigit()):
                 state.enter(keyword, line)
                 words = rest
             else:
-                unknown.append(f"line {line}: {' '.join(words)}")
+                notes.append(f"not understood: line {line}: {' '.join(words)}")
                 break
-    return settings, unknown
+    return settings, notes
 
 
 Settings = Mapping[str, Setting]
@@ -235,7 +240,7 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
     >>> case.pinion.number_of_teeth, case.gear.convex.machine.radial_distance
     (12, 72.643)
     """
-    settings, unknown = read_settings(path)
+    settings, of_lines = read_settings(path)
     notes = ["clearance is zero: the flanks begin at the root cones"]
     with errors_about(f"{path}:"):
         hand = _hand(settings, notes)
@@ -247,7 +252,7 @@ def read_session_script(path: str | os.PathLike[str]) -> tuple[Case, list[str]]:
             "pinion": {**pinion, "hand_of_spiral": hand.lower()},
             "gear": gear,
         }
-    return check_case(data, str(path)), notes + [f"not understood: {line}" for line in unknown]
+    return check_case(data, str(path)), notes + of_lines
 
 
 def _hand(settings: Mapping[MenuPath, Settings], notes: list[str]) -> str:

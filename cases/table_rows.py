@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from ..core.checks import shown
 from ..core.errors import InputError, printable, shortened, suggestion
 from ..core.regular_file import LINE_LENGTH_LIMIT, TOML_SIZE_LIMIT, named, read_text
-from ..geometry.formats.csv_points import cells, comment, excerpt, separator
+from ..geometry.formats.csv_points import cells, data_lines, excerpt, separator
 from .mistakes import LINE_COUNT_LIMIT, mistakes
 from .schema.schema_table import Table, extra_of
 
@@ -60,12 +60,7 @@ def read_table_rows(
     ``checked`` raise ``ValueError`` on an unknown column and on mistakes, a line each; the size limit is in bytes.
     """
     source = named(path)
-    content = read_text(path, size_limit, line_limit=LINE_LENGTH_LIMIT)
-    lines = [
-        (at, line)
-        for at, line in enumerate(content.splitlines(), start=1)
-        if line.strip(' \t;,"') and comment(line) is None
-    ]
+    lines = data_lines(read_text(path, size_limit, line_limit=LINE_LENGTH_LIMIT))
     if not lines:
         raise InputError(f"{source} has no {what}s: give a head such as {head} and a {what} a line")
     if count_limit is not None and len(lines) - 1 > count_limit:

@@ -1,11 +1,12 @@
 """Files to be read: there, regular, readable, and not larger than their kind ever is.
 
-Text is in UTF-8, with or without a byte order mark, within limits of its size and of its lines; every fault of JSON is
-a ``ValueError``.
+Text is in UTF-8, with or without a byte order mark, or in UTF-16 with one, within limits of its size and of its lines;
+every fault of JSON is a ``ValueError``.
 """
 
 from __future__ import annotations
 
+import codecs
 import contextlib
 import json
 import os
@@ -108,11 +109,14 @@ RECORD_SIZE_LIMIT = 1_000_000_000  # of checkpoints [bytes]
 LINE_LENGTH_LIMIT = 50_000  # of a line of a table or script [characters]
 
 
+UTF_16_MARKS = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
+
+
 def read_text(path: str | os.PathLike[str], limit: int, *, line_limit: int | None = None) -> str:
-    """Content of a UTF-8 text file, with line feeds for ends of lines; limits of its size [byte] and line length."""
+    """Content of a text file, with line feeds for ends of lines; limits of its size [byte] and line length."""
     content = read_bytes(path, limit)
     try:
-        text = content.decode("utf-8-sig")
+        text = content.decode("utf-16" if content.startswith(UTF_16_MARKS) else "utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         raise InputError(

@@ -19,9 +19,9 @@ from ..cases.schema.case_schema import Case
 from ..cases.writing import flank_settings
 from ..core.checks import instance, number, one_of, truth
 from ..core.errors import GeometryError, InputError
+from ..core.netcdf_file import read_dataset
 from ..geometry.deviation.corrective_settings import Correction, corrective_settings
 from ..geometry.deviation.deviation import Deviation, Method
-from ..geometry.formats.measuring_points import opened as open_netcdf
 from ..geometry.pair.gear_pair import FlankName, GearPair, Member, shares_set_up
 from ..geometry.tooth.tooth_flanks import MemberName, Side, named_member, side
 from .deviations import Source, flank_deviations, measured_file
@@ -79,7 +79,7 @@ def _with_sides(source: Source, name: MemberName, member: Member) -> tuple[Sourc
     if isinstance(source, str | Path):
         path = Path(source)
         if path.suffix == ".nc" and os.path.isfile(path):
-            worn = open_netcdf(path)
+            worn = read_dataset(path)
             if "wear_depth" in worn:
                 return source, [side_of(name, "coast" if worn.attrs.get("flank") == "coast" else "drive")]
         source = measured_file(source, member)

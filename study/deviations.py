@@ -16,11 +16,11 @@ from ..cases.shipped_files import shipped_deviations as shipped_deviations
 from ..core.attributes import units_of
 from ..core.checks import instance, one_of
 from ..core.errors import GeometryError, InputError, printable, shortened
+from ..core.netcdf_file import read_dataset
 from ..geometry.deviation.deviated_flank import deviated_ease_off, deviated_pair
 from ..geometry.deviation.deviation import Deviation, Method, deviation_from_dataset, require_method
 from ..geometry.formats.csv_points import COORDINATE_LIMIT, GRID_SIZE_LIMIT
 from ..geometry.formats.measured_grid import NOMINAL_DISTANCE_LIMIT, SUFFIXES, flank_deviation, read_measured_grid
-from ..geometry.formats.measuring_points import opened as open_netcdf
 from ..geometry.pair.gear_pair import GearPair, Member, PairGeometry, pair_geometry
 from ..geometry.tooth.tooth_flanks import MemberName, named_member
 
@@ -65,7 +65,7 @@ def _from_file(name_or_path: str | Path, name: MemberName, pair: GearPair) -> xr
     """A measured grid; or, of a file of ``study.wear``, what it leaves of a member's flank."""
     path = Path(name_or_path)
     if path.suffix == ".nc" and os.path.isfile(path):
-        opened = open_netcdf(path)
+        opened = read_dataset(path)
         if "wear_depth" in opened:
             _require_own_flank(path, opened, name, pair)
             return opened[["deviation"]].isel(step=-1).sel(member=name)

@@ -35,16 +35,18 @@ def export_points(
     rows: int = 5,
     columns: int = 9,
     margins: EdgeMargins | None = None,
+    tolerance: tuple[float, float] | None = None,
 ) -> str:
     """Write measuring points of a member, rows from root to tip and columns from toe to heel, and describe them.
 
-    Margins are a tenth of face width and depth if left out; GeometryError if a point is not on the flank.
+    Margins are a tenth of face width and depth if left out; the tolerance is the lower and upper limit of the deviation
+    [um]. GeometryError if a point is not on the flank.
     """
     require_memory(f"rows = {rows}, columns = {columns}", 2.0 * POINT_SIZE * rows * columns, "the grid of points")
     pair = given_pair(case)
-    points = cmm_points(
-        named_member(pair, member), rows, columns, margins, tooth_angle=tooth_angle(pair, member)
-    ).assign_attrs({"member": member, "title": case.title})
+    angle = tooth_angle(pair, member)
+    points = cmm_points(named_member(pair, member), rows, columns, margins, tooth_angle=angle, tolerance=tolerance)
+    points = points.assign_attrs({"member": member, "title": case.title})
     known = [str(name) for name in points["flank"].values]
     if flank != "both":
         if flank not in known:
@@ -94,7 +96,8 @@ def export_surfaces(
 def export(case: Case, path: Path, member: MemberName, flank: FlankChoice, options: dict[str, Any]) -> str:
     """Write measuring points, CAD surfaces or a mesh of a member, by the suffix of the file, and describe them.
 
-    Options are ``rows``, ``columns``, ``margins`` of points and ``teeth``, ``nodes`` of surfaces, else InputError.
+    Options are ``rows``, ``columns``, ``margins``, ``tolerance`` of points and ``teeth``, ``nodes`` of surfaces, else
+    InputError.
     """
     suffix = path.suffix.lower()
     surfaces = (*STEP_SUFFIXES, *MESH_SUFFIXES)
@@ -104,7 +107,7 @@ def export(case: Case, path: Path, member: MemberName, flank: FlankChoice, optio
             f"{', '.join(surfaces)} for surfaces"
         )
     points = suffix in POINT_SUFFIXES
-    foreign = set(options) & ({"teeth", "nodes"} if points else {"rows", "columns", "margins"})
+    foreign = set(options) & ({"teeth", "nodes"} if points else {"rows", "columns", "margins", "tolerance"})
     if foreign:
         kind = "surfaces" if points else "measuring points"
         raise InputError(

@@ -167,7 +167,13 @@ class ModelWriter:
     def component(self, kind: str, name: str, attributes: Iterable[tuple[Term, Value]]) -> int:
         """Add a component and return its id."""
         number = len(self._components) + 1
-        element = ET.SubElement(self._components, "component", {"id": str(number), "type": kind, "name": name})
+        ET.SubElement(self._components, "component", {"id": str(number), "type": kind, "name": name})
+        self.add(number, attributes)
+        return number
+
+    def add(self, number: int, attributes: Iterable[tuple[Term, Value]]) -> None:
+        """Add attributes to a component."""
+        element = self._components[number - 1]
         for term, value in attributes:
             item = ET.SubElement(element, "attribute", {"id": term.attribute, "unit": term.unit})
             if isinstance(value, tuple):
@@ -176,7 +182,6 @@ class ModelWriter:
                     ET.SubElement(array, "c").text = repr(entry)
             else:
                 item.text = value if isinstance(value, str) else repr(value)
-        return number
 
     def relation(self, kind: str, *, order: int | None = None, **roles: int) -> None:
         """Add a relation between components that are there already; in the file the relations stand first."""

@@ -36,6 +36,8 @@ def _terms(table: str) -> dict[str, Term]:
 STAGE_TERMS, MISALIGNMENT_TERMS = _terms("stage"), _terms("misalignment")
 MEMBER_TERMS, BLANK_TERMS, MATERIAL_TERMS = _terms("member"), _terms("blank"), _terms("material")
 MACHINE_TERMS, MOTION_TERMS, CUTTER_TERMS = _terms("machine"), _terms("motion"), _terms("cutter")
+CONTACT_TERMS = _terms("contact")
+STAGE_BACKLASH, GEAR_BACKLASH = _terms("stage_backlash"), _terms("gear_backlash")
 CASE_TERM = Term(f"{CUSTOM_PREFIX}case", "none")
 """Version of the case that a file was made of: the first wrote the thickness in the middle of the flank, without it."""
 HAND_TERM = Term("spiral_angle_pitch_direction", "none")

@@ -2,7 +2,8 @@
 
 A ``bevel_stage`` joins two ``bevel_gear`` components by the relation ``stage``. Every gear has two ``bevel_gear_flank``
 components (relation ``flank``), and every flank the ``bevel_gear_tool`` and the ``bevel_gear_manufacturing_settings``
-it is cut with (relation ``manufacturing_step``). What REXS leaves open is decided in
+it is cut with (relation ``manufacturing_step``). Contact points of a result are a ``point_list`` of the gear's
+``bevel_stage_gear_data``, their values a ``meshing_contact_stage_data_set``. What REXS leaves open is decided in
 ``docs/engineer/reference/exchange.md``.
 """
 
@@ -11,25 +12,40 @@ from __future__ import annotations
 import datetime
 import math
 import os
+from collections.abc import Mapping
+from dataclasses import dataclass
 from importlib.metadata import version
 
+import numpy as np
 from pydantic import BaseModel
 
+from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import EaseoffError
 from ...core.output_file import whole_file
-from ...geometry.pair.gear_pair import MEMBERS
+from ...geometry.pair.gear_pair import MEMBERS, FlankName
 from ..conversion import machine_settings
 from ..reading import MID_FLANK
-from ..schema.case_schema import Case, MemberTable
+from ..schema.case_schema import MATING_SIDES, Case, MemberTable
 from ..schema.cutting_table import ANGULAR_MOTIONS, Cutter, FlankSettings, polynomial
 from ..writing import with_blanks, with_mean_thickness
 from . import rexs_vocabulary as rexs
-from .rexs_reading import ModelWriter, Value
+from .rexs_reading import HANDS, ModelWriter, Value
 from .rexs_vocabulary import Hand, Term, opposite, side
 
 
-def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
+@dataclass(frozen=True)
+class ContactPoints:
+    """Contact points of a result, with their values by the keys of ``CONTACT_TERMS``."""
+
+    name: str
+    flank: FlankName
+    points: Array  # (n, 3) on the gear flank, in the frame of the gear [mm]
+    values: Mapping[str, Array]  # (n)
+    backlash: Mapping[str, float]  # those known, by the keys of ``STAGE_BACKLASH`` and ``GEAR_BACKLASH`` [mm]
+
+
+def write_rexs(case: Case, path: str | os.PathLike[str], contact: ContactPoints | None = None) -> list[str]:
     """Write the geometry of a case as a REXS file (XML, version 2.0.0).
 
     Parameters
@@ -38,6 +54,8 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
         A checked case.
     path
         The file; REXS asks for the suffix ``.rexs``.
+    contact
+        Contact points of a result of the case, written with it.
 
     Returns
     -------
@@ -86,6 +104,8 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
     pinion = _write_member(file, "pinion", case.pinion, hand, notes)
     gear = _write_member(file, "gear", case.gear, opposite(hand), notes)
     file.relation("stage", stage=stage, gear_1=pinion, gear_2=gear)
+    if contact is not None:
+        _write_contact(file, stage, {pinion: hand, gear: opposite(hand)}, contact)
 
     for name in (
         "description",
@@ -109,6 +129,32 @@ def write_rexs(case: Case, path: str | os.PathLike[str]) -> list[str]:
         # The specification asks for a byte order mark.
         temporary.write_text(file.text(), encoding="utf-8-sig", newline="\n")
     return notes
+
+
+def _write_contact(file: ModelWriter, stage: int, gears: Mapping[int, Hand], contact: ContactPoints) -> None:
+    """Add which flank of the pinion and of the gear is loaded, and the points with their values to the gear."""
+    gear = data = 0
+    for (gear, hand), loaded in zip(gears.items(), MATING_SIDES[contact.flank], strict=True):
+        role = next(role for role in HANDS if side(hand, role) == loaded)
+        data = file.component("bevel_stage_gear_data", f"{loaded} flank", [(Term("loaded_tooth_flank", "none"), role)])
+        file.relation("stage_gear_data", stage=stage, gear=gear, stage_gear_data=data)
+    for number, terms in ((stage, rexs.STAGE_BACKLASH), (gear, rexs.GEAR_BACKLASH)):
+        file.add(number, [(term, contact.backlash[key]) for key, term in terms.items() if key in contact.backlash])
+    x, y, z = contact.points.T
+    columns = {Term(f"point_coordinates_{axis}_coord", "mm"): at for axis, at in zip("uvw", (z, -y, x), strict=True)}
+    numbers = range(1, len(contact.points) + 1)
+    kind = (Term("kind_of_point_list", "none"), "meshing_contact_points")
+    attributes = [kind, *_arrays({Term("point_ids", "none"): numbers, **columns})]
+    points = file.component("point_list", contact.name, attributes)
+    file.relation("assembly", assembly=data, part=points)
+    columns = {term: contact.values[key] for key, term in rexs.CONTACT_TERMS.items() if key in contact.values}
+    attributes = _arrays({Term("set_ids", "none"): numbers, **columns})
+    values = file.component("meshing_contact_stage_data_set", contact.name, attributes)
+    file.relation("reference", origin=points, referenced=values)
+
+
+def _arrays(columns: Mapping[Term, Array | range]) -> list[tuple[Term, Value]]:
+    return [(term, tuple(np.asarray(column).tolist())) for term, column in columns.items()]
 
 
 def _terms(table: BaseModel, terms: dict[str, Term]) -> list[tuple[Term, Value]]:

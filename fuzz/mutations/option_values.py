@@ -206,6 +206,7 @@ OPTIONS: dict[str, Options] = {
         "--allow-outside": None,
         "--margins": ("toe=1", "toe=100", "toe=-1", "top=1", "toe=nan", "root=0,tip=0", "toe=1e300",
         "toe=0,heel=0,root=0,tip=0", "", ","),
+        "--tolerance": ("10", "-5,10", "10,5", "0", "nan", "1,2,3", "x", "0,5", "", "1e400"),
         "--torque": ("50", "100", "0", "-1", "nan", "inf", "x", "50,100", ""),
         "--mesh-position": ("0", "0.25", "0.5", "1", "-1", "nan", "inf", "x", "0,25", ""),
         "--nodes": ("9x7", "5x5", "1x1", "x", "9", "9x7x5", "9X7", "-5x9", "200x100", "1e3x5"),

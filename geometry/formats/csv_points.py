@@ -1,10 +1,12 @@
 """Measuring points as text: comment lines ``# key: value``, one line of column names, one line a point.
 
-Columns may be separated by semicolons or tabs, then also with decimal commas. A measured grid has one more column,
-``deviation``; or three more, the measured coordinates.
+Columns stand in any order, their names in any case, with or without their units in brackets. They may be separated by
+semicolons or tabs, then also with decimal commas. Beside position and normal there may be the place on the flank and
+limits of the deviation; a measured grid has the ``deviation`` or the measured coordinates.
 
 A spreadsheet changes what it saves: with a decimal comma it separates columns by semicolons or tabs, it pads short
-lines with separators, and it quotes what holds one. All that is read.
+lines with separators, it quotes what holds one, and a first line ``sep=;`` names it. Fortran writes ``1.5D-03``. All
+that is read.
 """
 
 from __future__ import annotations
@@ -19,12 +21,18 @@ import xarray as xr
 
 from ...core.arrays import Array
 from ...core.checks import one_of, whole
-from ...core.errors import InputError
+from ...core.errors import InputError, suggestion
 
-NOMINAL_COLUMNS = ("flank", "row", "column", "x", "y", "z", "nx", "ny", "nz")
-DEVIATION_COLUMN = "deviation"
+PLACE_COLUMNS, NODE_COLUMNS = ("flank", "row", "column"), ("x", "y", "z", "nx", "ny", "nz")
+POINT_VARIABLES = ("deviation", "lengthwise", "profile", "lower_tolerance", "upper_tolerance")
 MEASURED_COLUMNS = ("measured_x", "measured_y", "measured_z")
-HEADINGS = (NOMINAL_COLUMNS, (*NOMINAL_COLUMNS, DEVIATION_COLUMN), (*NOMINAL_COLUMNS, *MEASURED_COLUMNS))
+#: Units that the head may state, of every column; columns are written in this order.
+COLUMN_UNITS: Mapping[str, tuple[str, ...]] = (
+    dict.fromkeys((*PLACE_COLUMNS, *NODE_COLUMNS, *POINT_VARIABLES, *MEASURED_COLUMNS), ("1",))
+    | dict.fromkeys((*NODE_COLUMNS[:3], *MEASURED_COLUMNS), ("mm",))
+    | {"deviation": ("um", "mm"), "lower_tolerance": ("um",), "upper_tolerance": ("um",)}
+)
+MICROMETRES = ("μm", "mum", "micron", "microns")  # in the small letters of casefold, which makes the micro sign a mu
 COORDINATE_LIMIT = 1e4  # of a node [mm]; no gear is larger
 GRID_SIZE_LIMIT = 1001  # rows and columns, as of `easeoff export`
 POINT_COUNT_LIMIT = 100_000  # of a flank
@@ -32,16 +40,20 @@ Points = dict[tuple[str, int, int], list[float]]
 Number = TypeVar("Number", int, float)
 
 
+def unit_name(text: object) -> str:
+    """Unit as this package writes it: ``um`` for the micrometre in any spelling, no capitals."""
+    name = str(text).strip().casefold()
+    return "um" if name in MICROMETRES else name
+
+
 def text(dataset: xr.Dataset) -> str:
     """Text of a dataset of measuring points, with enough digits to read the same numbers again."""
     lines = [f"# {key}: {' '.join(str(value).split())}" for key, value in dataset.attrs.items()]
-    position, normal = dataset["position"].values, dataset["normal"].values
-    measured = DEVIATION_COLUMN in dataset
-    extra = dataset[DEVIATION_COLUMN].values[..., None] if measured else np.zeros((*position.shape[:3], 0))
-    lines.append(",".join(HEADINGS[extra.shape[-1]]))
-    for place, names in grid_places(dataset):
-        numbers = [repr(float(value)) for value in (*position[place], *normal[place], *extra[place])]
-        lines.append(",".join([*names, *numbers]))
+    more = [name for name in POINT_VARIABLES if name in dataset]
+    values = [dataset["position"].values, dataset["normal"].values, *(dataset[name].values[..., None] for name in more)]
+    numbers = np.concatenate(values, axis=-1)
+    lines.append(",".join((*PLACE_COLUMNS, *NODE_COLUMNS, *more)))
+    lines += [",".join((*names, *map(repr, numbers[place].tolist()))) for place, names in grid_places(dataset)]
     return "\n".join(lines) + "\n"
 
 
@@ -56,13 +68,9 @@ def parsed(content: str, source: str) -> xr.Dataset:
     attributes, lines = parted(content, source)
     points: Points = {}
     number, head = lines[0]
+    head = re.sub(r"(?<!\s)\s+(?=[\[(])", "", head)  # from the first blank alone: a line may have 50,000
     mark = separator(head)
-    heading = tuple(cells(head, mark))
-    if heading not in HEADINGS:
-        raise InputError(
-            f"{source}, line {number}: {excerpt(head)}: expected the column names {mark.join(NOMINAL_COLUMNS)}; "
-            f"of a measured grid also {DEVIATION_COLUMN} or {mark.join(MEASURED_COLUMNS)}"
-        )
+    heading = _heading(cells(head, mark), mark, attributes, f"{source}, line {number}")
     for number, line in lines[1:]:
         where = f"{source}, line {number}"
         index, values = _point(line.strip(), mark, heading, where)
@@ -71,19 +79,43 @@ def parsed(content: str, source: str) -> xr.Dataset:
         points[index] = values
     if not points:
         raise InputError(f"{source}: there are no points in it")
-    return gridded(points, attributes, source)
+    return gridded(points, [name for name in COLUMN_UNITS if name in heading], attributes, source)
 
 
-def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[tuple[str, int, int], list[float]]:
+def _heading(entries: Sequence[str], mark: str, attributes: Attributes, where: str) -> list[str]:
+    """Names of the columns, once each and with their units; that of the deviation joins the attributes."""
+    needed = (*PLACE_COLUMNS, *NODE_COLUMNS)
+    expected = f"expected the column names {mark.join(needed)} in any order; of a measured grid also deviation or "
+    expected += mark.join(MEASURED_COLUMNS)
+    heading: list[str] = []
+    for entry in entries:
+        name, *units = re.split(r"[\[(]", entry.lower().rstrip("])"), maxsplit=1)
+        if name not in COLUMN_UNITS or name in heading:
+            why = "comes twice" if name in heading else f"is no column{suggestion(name, COLUMN_UNITS)}"
+            raise InputError(f"{where}: {excerpt(entry)} {why}; {expected}")
+        heading.append(name)
+        for unit in units:
+            known = one_of(f"{where}: unit of {name}", unit_name(unit), COLUMN_UNITS[name])
+            if name == "deviation":
+                _add(attributes, "deviation_unit", known, where)
+    if not {*needed} <= {*heading} or len({*MEASURED_COLUMNS, "deviation"}.intersection(heading)) not in (0, 1, 3):
+        raise InputError(f"{where}: {excerpt(mark.join(entries))}: {expected}")
+    return heading
+
+
+def _point(line: str, mark: str, heading: Sequence[str], where: str) -> tuple[tuple[str, int, int], list[float]]:
     entries = cells(line, mark)
     if len(entries) != len(heading):
         hint = "; with decimal commas, separate the columns by semicolons" if len(entries) > len(heading) else ""
         raise InputError(
             f"{where}: {excerpt(line)}: {len(entries)} values, expected {len(heading)} ({','.join(heading)}){hint}"
         )
-    row, column = (_read(int, where, name, cell) for name, cell in zip(heading[1:3], entries[1:3], strict=True))
-    values = [_read(float, where, name, cell) for name, cell in zip(heading[3:], entries[3:], strict=True)]
-    one_of(f"{where}: flank", entries[0], ("concave", "convex"))
+    found = dict(zip(heading, entries, strict=True))
+    row, column = (_read(int, where, name, found[name]) for name in ("row", "column"))
+    values = [
+        _read(float, where, name, found[name]) for name in COLUMN_UNITS if name in found and name not in PLACE_COLUMNS
+    ]
+    flank = one_of(f"{where}: flank", found["flank"].lower(), ("concave", "convex"))
     if min(row, column) < 1:
         raise InputError(f"{where}: row = {row}, column = {column}: must be 1 or more")
     for name, number in (("row", row), ("column", column)):
@@ -93,8 +125,9 @@ def _point(line: str, mark: str, heading: tuple[str, ...], where: str) -> tuple[
     if max(map(abs, values[:6])) > COORDINATE_LIMIT:
         raise InputError(f"{where}: every coordinate must be at most {COORDINATE_LIMIT:g} mm")
     if abs(float(np.linalg.norm(values[3:6])) - 1.0) > 1e-6:
-        raise InputError(f"{where}: normal = ({', '.join(entries[6:9])}): must be of length 1")
-    return (entries[0], row, column), values
+        normal = ", ".join(found[name] for name in NODE_COLUMNS[3:])
+        raise InputError(f"{where}: normal = ({normal}): must be of length 1")
+    return (flank, row, column), values
 
 
 def _read(kind: Callable[[str], Number], where: str, name: str, cell: str) -> Number:
@@ -115,8 +148,8 @@ def require_size(rows: int, columns: int, source: str) -> None:
         )
 
 
-def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Dataset:
-    """Dataset of a whole grid by (flank, row, column): position, normal, and deviation or measured position if any."""
+def gridded(points: Points, heading: Sequence[str], attributes: dict[str, Any], source: str) -> xr.Dataset:
+    """Dataset of a whole grid by (flank, row, column), whose points have the values of a heading in its order."""
     flanks = sorted({key[0] for key in points})
     rows, columns = max(key[1] for key in points), max(key[2] for key in points)
     require_size(rows, columns, source)
@@ -128,12 +161,14 @@ def gridded(points: Points, attributes: dict[str, Any], source: str) -> xr.Datas
             f"{missing[1]}, column {missing[2]}"
         )
     values = np.array([points[key] for key in sorted(points)]).reshape(len(flanks), rows, columns, -1)
+    columns_of = [name for name in heading if name not in PLACE_COLUMNS]
     grid = ("flank", "row", "column", "xyz")
-    more: dict[int, dict[str, Any]] = {
-        1: {DEVIATION_COLUMN: (grid[:3], values[..., -1])},
-        3: {"measured_position": (grid, values[..., 6:])},
+    more: dict[str, Any] = {
+        name: (grid[:3], values[..., columns_of.index(name)]) for name in POINT_VARIABLES if name in columns_of
     }
-    return point_grid(flanks, values[..., :6], more.get(values.shape[-1] - 6, {}), attributes)
+    if MEASURED_COLUMNS[0] in columns_of:
+        more["measured_position"] = (grid, values[..., -3:])
+    return point_grid(flanks, values[..., :6], more, attributes)
 
 
 def point_grid(flanks: Sequence[str], points: Array, more: Mapping[str, Any], attrs: Mapping[str, Any]) -> xr.Dataset:
@@ -153,6 +188,8 @@ WHOLE_KEYS = ("format_version", "number_of_teeth")
 REAL_ENDINGS = ("_mm", "_rad")
 EXCERPT_LENGTH = 60  # of a line in a message [characters]
 DECIMAL_COMMA = re.compile(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$")
+FORTRAN_EXPONENT = re.compile(r"^([+-]?\d*[.,]\d*)[dD]([+-]?\d+)$")
+SEPARATOR_LINE = re.compile(r'"?sep=.?"?[;,\t]*', re.IGNORECASE)
 
 
 def comment(line: str) -> str | None:
@@ -167,6 +204,17 @@ def comment(line: str) -> str | None:
     return (unpadded if len(stripped) - 1 - len(unpadded) >= 2 else stripped[1:]).strip()
 
 
+def data_lines(content: str) -> Lines:
+    """Lines of a text with their numbers, without empty ones, comments and a first line that names the separator."""
+    return [
+        (number, line)
+        for number, line in enumerate(content.splitlines(), start=1)
+        if line.strip(' \t;,"')
+        and comment(line) is None
+        and not (number == 1 and SEPARATOR_LINE.fullmatch(line.strip()))
+    ]
+
+
 def separator(line: str) -> str:
     """Separator of the columns of a line: semicolon, tab, comma or blanks."""
     for mark in (";", "\t"):
@@ -178,10 +226,11 @@ def separator(line: str) -> str:
 
 
 def cells(line: str, mark: str) -> list[str]:
-    """Cells of a line, without the empty ones that pad it; a decimal comma becomes a point."""
+    """Cells of a line, without the empty ones that pad it; a decimal comma becomes a point, Fortran's D an e."""
     entries = [cell.strip().strip('"').strip() for cell in (line.split() if mark == " " else line.split(mark))]
     while entries and not entries[-1]:
         entries.pop()
+    entries = [FORTRAN_EXPONENT.sub(r"\1e\2", cell) for cell in entries]
     return entries if mark == "," else [DECIMAL_COMMA.sub(r"\1.\2", cell) for cell in entries]
 
 
@@ -194,7 +243,6 @@ def excerpt(line: str) -> str:
 def parted(content: str, source: str) -> tuple[Attributes, Lines]:
     """Comments of a text by key, and its other lines with their numbers; comments that contradict are refused."""
     attributes: Attributes = {}
-    lines: Lines = []
     for number, line in enumerate(content.splitlines(), start=1):
         said = comment(line)
         if said is not None:
@@ -202,20 +250,25 @@ def parted(content: str, source: str) -> tuple[Attributes, Lines]:
             if not colon:
                 raise InputError(f"{source}, line {number}: '# {said}': a comment must have the form '# key: value'")
             key, where = key.strip(), f"{source}, line {number}"
-            attribute = _attribute(key, value.strip(), where)
-            if attributes.setdefault(key, attribute) != attribute:
-                raise InputError(f"{where}: {key} = {attribute!r}: must be {attributes[key]!r}, as it is above")
-        elif line.strip(' \t;,"'):
-            lines.append((number, line))
+            _add(attributes, key, _attribute(key, value.strip(), where), where)
+    lines = data_lines(content)
     if not lines:
         raise InputError(f"{source}: there are no points in it")
     return attributes, lines
+
+
+def _add(attributes: Attributes, key: str, value: Any, where: str) -> None:
+    """Add an attribute, unless another value of it is there."""
+    if attributes.setdefault(key, value) != value:
+        raise InputError(f"{where}: {key} = {value!r}: must be {attributes[key]!r}, as it is above")
 
 
 def _attribute(key: str, value: str, where: str) -> Any:
     try:
         if key in WHOLE_KEYS:
             return int(value)
+        if key == "deviation_unit":
+            return unit_name(value)
         return float(value.replace(",", ".")) if key.endswith(REAL_ENDINGS) else value
     except ValueError as error:
         raise InputError(f"{where}: {key} = {value!r}: must be a number") from error

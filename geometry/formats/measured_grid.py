@@ -25,6 +25,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +36,7 @@ from ...core.arrays import record
 from ...core.attributes import labelled
 from ...core.checks import array, file_path, instance, one_of, shown
 from ...core.errors import InputError
+from ...core.netcdf_file import read_dataset
 from ...core.output_file import whole_file
 from ...core.regular_file import LINE_LENGTH_LIMIT
 from ..deviation.deviation import Deviation, Method
@@ -42,7 +44,7 @@ from ..flanks.flank import solve_flank
 from ..pair.gear_pair import Member
 from ..tooth.tooth_flanks import Side, side
 from . import csv_points as cmm_csv, measuring_points as cmm
-from .csv_points import cells, comment, excerpt, parted, require_size, separator
+from .csv_points import cells, data_lines, excerpt, parted, require_size, separator, unit_name
 from .measuring_points import EdgeMargins, cmm_points
 
 FORMAT = cmm.GRID_FORMAT
@@ -177,7 +179,7 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
     """
     suffix, source = _suffix(path), Path(path)
     if suffix == ".nc":
-        grid = cmm.opened(source)
+        grid = read_dataset(source)
         if "easeoff_version" in grid.attrs and "position" not in grid:
             raise InputError(
                 f"{source} is a result of an analysis, not a measured grid: give a grid as `easeoff export` writes it "
@@ -189,14 +191,14 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
             table = parsed_table(content, str(source))
             if member is None:
                 raise InputError(f"{source}: a table of deviations without points: give the member that it is of")
-            return measured_grid(table.points(member), table.deviation)
+            return table.grid(member)
         grid = (parsed_dmis if suffix in DMIS_SUFFIXES else cmm_csv.parsed)(content, str(source))
     grid = grid.assign_attrs(format=FORMAT, format_version=cmm.FORMAT_VERSION)
     cmm.check_points(grid, source, FORMAT)
     if "measured_position" in grid:
         grid = _along_normals(grid, source)
     _require_deviation(grid, source)
-    unit = str(grid.attrs.get("deviation_unit", "um"))
+    unit = unit_name(grid.attrs.get("deviation_unit", "um"))
     one_of(f"{source}: deviation_unit", unit, ("um", "mm"))
     cmm.require_units(grid, "deviation", unit, source)
     grid["deviation"] = grid["deviation"] * (1e3 if unit == "mm" else 1.0)
@@ -375,14 +377,11 @@ def measured_matrix(
     instance("member", member, Member)
     instance("edge_margins", edge_margins, EdgeMargins | None)
     name, source = side(member.loaded) if flank is None else flank, "matrix of deviations"
+    deviation_unit = unit_name(deviation_unit)
     given = {"flank": name, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
-    for key, allowed in WANTED.items():
-        one_of(key, given[key], allowed)
     values = array(source, deviation, deviation_unit, ndim=2, anything=True)
     require_size(values.shape[0], values.shape[1], source)
-    values = _oriented(values * (1e3 if deviation_unit == "mm" else 1.0), rows, columns, source)
-    points = DeviationTable(values, name, edge_margins or EdgeMargins(), source).points(member)
-    return measured_grid(points, values)
+    return DeviationTable.of(values, given, edge_margins or EdgeMargins(), source).grid(member)
 
 
 UPWARDS, LENGTHWISE = ("root to tip", "tip to root"), ("toe to heel", "heel to toe")
@@ -404,8 +403,18 @@ class DeviationTable:
     margins: EdgeMargins
     source: str
 
-    def points(self, member: Member) -> xr.Dataset:
-        """Nominal points of the table on its flank of a member, where ``easeoff export`` has them."""
+    @classmethod
+    def of(
+        cls, values: NDArray[np.float64], given: Mapping[str, str], margins: EdgeMargins, source: str, before: str = ""
+    ) -> DeviationTable:
+        """Table of values in rows and columns that lie as the words for the keys of ``WANTED`` say."""
+        for key, allowed in WANTED.items():
+            one_of(before + key, given[key], allowed)
+        values = values * (1e3 if given["deviation_unit"] == "mm" else 1.0)
+        return cls(_oriented(values, given["rows"], given["columns"], source), given["flank"], margins, source)
+
+    def grid(self, member: Member) -> xr.Dataset:
+        """Measured grid on the flank of a member, at the points where ``easeoff export`` has them."""
         if self.flank != side(member.loaded):
             if member.opposite is None:
                 wanted = f"must be {side(member.loaded)!r}, the one given for this member"
@@ -416,13 +425,13 @@ class DeviationTable:
             # As exported, both flanks have one grid; the thickness of the tooth does not matter to its margins.
             both = cmm_points(member, rows, columns, margins, tooth_angle=np.pi / member.teeth)
             margins = EdgeMargins(**{edge: both.attrs[f"margin_{edge}_mm"] for edge in EDGES})
-        return cmm_points(member, rows, columns, margins)
+        return measured_grid(cmm_points(member, rows, columns, margins), self.deviation)
 
 
 def is_table(content: str) -> bool:
     """True if the first line that is no comment holds numbers, and is neither a point nor column names."""
-    lines = [line for line in content.splitlines() if line.strip(' \t;,"') and comment(line) is None]
-    first = cells(lines[0], separator(lines[0])) if lines else []
+    lines = data_lines(content)
+    first = cells(lines[0][1], separator(lines[0][1])) if lines else []
     return first[:1] not in (["concave"], ["convex"]) and any(_is_number(cell, finite=False) for cell in first)
 
 
@@ -451,17 +460,13 @@ def parsed_table(content: str, source: str) -> DeviationTable:
             f"points. If they are deviations at the points of 'easeoff export', say in lines before them what they "
             f"are: {'; '.join(missing)}. Or give the points, too, with a column 'deviation'"
         )
-    for key, allowed in WANTED.items():
-        one_of(f"{source}: {key}", attributes[key], allowed)
     if mark == "," and not any("." in cell for row in rows for cell in row):
         raise InputError(
             f"{source}, line {first}: {excerpt(head)}: whole numbers, or decimal commas? Write decimal points, or "
             "separate the columns by semicolons"
         )
-    deviation = np.array(rows, dtype=float) * (1e3 if attributes["deviation_unit"] == "mm" else 1.0)
-    deviation = _oriented(deviation, attributes["rows"], attributes["columns"], source)
     margins = EdgeMargins(**{edge: attributes.get(f"margin_{edge}_mm") for edge in EDGES})
-    return DeviationTable(deviation, attributes["flank"], margins, source)
+    return DeviationTable.of(np.array(rows, dtype=float), attributes, margins, source, f"{source}: ")
 
 
 def _oriented(deviation: NDArray[np.float64], rows: str, columns: str, source: str) -> NDArray[np.float64]:
@@ -572,4 +577,4 @@ def _combined(nominal: cmm_csv.Points, actual: cmm_csv.Points, source: str) -> x
     if gaps:
         flank, row, column = gaps[0]
         raise InputError(f"{source}: {len(gaps)} points were not measured, the first {flank}, row {row}, col. {column}")
-    return cmm_csv.gridded(points, {"length_unit": "mm"}, source)
+    return cmm_csv.gridded(points, (*cmm_csv.NODE_COLUMNS, *cmm_csv.MEASURED_COLUMNS), {"length_unit": "mm"}, source)

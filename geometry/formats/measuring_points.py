@@ -12,7 +12,7 @@ import xarray as xr
 
 from ...core.arrays import Array
 from ...core.attributes import labelled, units_of
-from ...core.checks import file_path, instance, number, positive, shown, whole
+from ...core.checks import array, file_path, instance, number, positive, shown, whole
 from ...core.errors import GeometryError, InputError
 from ...core.netcdf_file import read_dataset, write_netcdf
 from ...core.output_file import whole_file
@@ -81,6 +81,7 @@ def cmm_points(
     edge_margins: EdgeMargins | None = None,
     *,
     tooth_angle: float | None = None,
+    tolerance: tuple[float, float] | None = None,
 ) -> xr.Dataset:
     """Nominal points and normals of a member's flanks on a measuring grid.
 
@@ -99,15 +100,20 @@ def cmm_points(
         puts both flanks of one tooth into one frame. Without it the loaded flank comes alone, as it does for a member
         whose other flank is not known.
 
+    tolerance
+        Lower and upper limit of the deviation of every point [um], along the outward normal.
+
     Returns
     -------
     xr.Dataset
-        ``position`` [mm] and outward unit ``normal`` over (flank, row, column, xyz), in the member's frame.
+        ``position`` [mm] and outward unit ``normal`` over (flank, row, column, xyz), in the member's frame; over
+        (flank, row, column) the place from 0 to 1, ``lengthwise`` from toe to heel and ``profile`` from root to tip,
+        and with a tolerance ``lower_tolerance`` and ``upper_tolerance`` [um].
 
     Raises
     ------
     InputError
-        If the grid is too small or the margins leave no flank.
+        If the grid is too small, the margins leave no flank, or the upper limit is not above the lower one.
     GeometryError
         If a point of the grid lies off the flank.
 
@@ -122,6 +128,11 @@ def cmm_points(
     for name, count in (("rows", rows), ("columns", columns)):
         whole(name, count, 2, cmm_csv.GRID_SIZE_LIMIT)
     instance("edge_margins", edge_margins, EdgeMargins | None)
+    limits = None if tolerance is None else array("tolerance", tolerance, "um", ndim=1, size=2)
+    if limits is not None and not limits[0] < limits[1]:
+        raise InputError(
+            f"tolerance = {limits[0]:g}, {limits[1]:g}: must be a lower limit and a greater upper one [um]"
+        )
     given = edge_margins or EdgeMargins()
     flanks = {side(member.loaded): PlacedFlank(member.section, member.loaded)}
     attributes: dict[str, Any] = {}
@@ -138,6 +149,11 @@ def cmm_points(
     for name, flank in zip(names, points, strict=True):
         _check_measurable(name, flank, columns)
     values = np.stack([np.concatenate([flank.position, flank.normal]).T.reshape(rows, columns, 6) for flank in points])
+    lengthwise, profile = member.section.fractions(axial.reshape(rows, columns), radial.reshape(rows, columns))
+    more: dict[str, Any] = {"lengthwise": lengthwise, "profile": profile}
+    if limits is not None:
+        more |= {"lower_tolerance": limits[0], "upper_tolerance": limits[1]}
+    variables = {name: (("flank", "row", "column"), np.full(values.shape[:3], value)) for name, value in more.items()}
     attributes = {
         "format": FORMAT,
         "format_version": FORMAT_VERSION,
@@ -151,7 +167,7 @@ def cmm_points(
         **attributes,
         **{f"margin_{name}_mm": value for name, value in margins.items()},
     }
-    return labelled(cmm_csv.point_grid(names, values, {}, attributes))
+    return labelled(cmm_csv.point_grid(names, values, variables, attributes))
 
 
 def _grid(section: BlankSection, margins: dict[str, float], rows: int, columns: int) -> tuple[Array, Array]:
@@ -255,7 +271,7 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
     True
     """
     source = file_path("path", path)
-    dataset = opened(source) if _suffix(path) == ".nc" else labelled(cmm_csv.parsed(content(source), str(source)))
+    dataset = read_dataset(source) if _suffix(path) == ".nc" else labelled(cmm_csv.parsed(content(source), str(source)))
     check_points(dataset, source, FORMAT)
     return dataset
 
@@ -263,11 +279,6 @@ def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:
 def content(source: Path) -> str:
     """Read a text file. Raises InputError if it does not exist or is not text."""
     return read_text(source, TABLE_SIZE_LIMIT, line_limit=LINE_LENGTH_LIMIT)
-
-
-def opened(source: Path) -> xr.Dataset:
-    """A netCDF file in memory. Raises InputError if there is none, or it is no such file."""
-    return read_dataset(source)
 
 
 def _suffix(path: str | os.PathLike[str]) -> str:
@@ -311,5 +322,5 @@ def check_points(dataset: xr.Dataset, source: Path | str, *kinds: str) -> None:
 def require_units(dataset: xr.Dataset, name: str, units: str, source: Path | str) -> None:
     """Refuse a variable that says of itself to have other units."""
     unit = dataset[name].attrs.get("units", units)
-    if str(unit) != units:
+    if cmm_csv.unit_name(unit) != units:
         raise InputError(f"{source}: units of {name!r} = {shown(unit)}: must be {units}")

@@ -12,11 +12,11 @@ from ..progress import working
 from . import option
 from .case_run import check_folders, check_output, outside_allowed
 from .command import Command, echo
-from .option_values import deviation_files, keyed_numbers, names, reader, two_counts
+from .option_values import deviation_files, keyed_numbers, names, number_list, reader, two_counts
 
 #: Options of ``export`` that go with a result, and those that go with a case.
 CONTACT_OPTIONS = ("torque", "mesh_position")
-GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "teeth")
+GEOMETRY_OPTIONS = ("member", "flank", "rows", "columns", "margins", "tolerance", "teeth")
 EDGES = ("toe", "heel", "root", "tip")
 THICKNESS_LIMIT = 1000.0  # of a measured departure [um]
 
@@ -69,11 +69,20 @@ def margins(text: str) -> dict[str, float]:
     return keyed_numbers(text, EDGES, "toe=3,root=1.2")
 
 
+@reader
+def tolerance(text: str) -> tuple[float, float]:
+    """Lower and upper limit of the deviation [um], of one number that number to both sides."""
+    values = number_list(text, wanted := "a tolerance in um, or its lower and upper limit, such as 10 or -5,10")
+    if len(values) > 2:
+        raise click.BadParameter(f"{text!r}: must be {wanted}")
+    return (0.0 - values[0], values[0]) if len(values) == 1 else (values[0], values[1])
+
+
 @click.command(cls=Command)
 @option.case("source", metavar="CASE|RESULT")
 @option.output(
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
-    "(meshes). Of a RESULT: .vtu."
+    "(meshes). Of a RESULT: .vtu, .rexs."
 )
 @click.option("--member", type=click.Choice(["pinion", "gear"]), default="pinion", help="Member to export.")
 @click.option(
@@ -91,6 +100,13 @@ def margins(text: str) -> dict[str, float]:
     metavar="toe=..,heel=..,root=..,tip=..",
     show_default="a tenth of face width and depth",
     help="Points: margins of the grid at the edges of the flank, in mm.",
+)
+@click.option(
+    "--tolerance",
+    callback=tolerance,
+    metavar="T|LOWER,UPPER",
+    show_default="no limits",
+    help="Points: limits of the deviation in um, along the normal, one number for both sides; columns of the file.",
 )
 @click.option(
     "--teeth", callback=teeth, metavar="N|all", show_default="1", help="Surfaces and meshes: number of teeth."
@@ -113,7 +129,8 @@ def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -
 
     RESULT is a file of 'easeoff run'. Its .vtu file, for ParaView and other programs that read VTK, holds the teeth of
     both members in mesh position with ease-off, contact pattern and pressure, and a strip for every loaded segment with
-    its load, film, friction and temperature.
+    its load, film, friction and temperature. Its .rexs file holds the case, and the contact points of the mesh cycle
+    with ease-off, pressure, load and friction.
     """
     contact = {name: options.pop(name) for name in CONTACT_OPTIONS}
     if Path(source).suffix.lower() == ".nc":
@@ -128,7 +145,7 @@ def export(source: str, output: Path, member: Any, flank: Any, **options: Any) -
 def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: tuple[int, int] | None) -> None:
     from ...core.errors import InputError
     from ...core.regular_file import named
-    from ..report.contact_mesh import export_contact
+    from ..report.contact_mesh import REXS_SUFFIX, export_contact
     from ..result import read_result
 
     context = click.get_current_context()
@@ -137,6 +154,9 @@ def _export_contact(source: str, output: Path, contact: dict[str, Any], nodes: t
         raise click.UsageError(f"--{foreign[0]}: must go with a CASE, not with a result")
     check_output(output, source)
     chosen = {name: value for name, value in {**contact, "nodes": nodes}.items() if value is not None}
+    of_vtu = sorted(set(chosen) - {"torque"})
+    if of_vtu and output.suffix.lower() == REXS_SUFFIX:
+        raise click.UsageError(f"--{of_vtu[0].replace('_', '-')}: must go with a .vtu file")
     tree = read_result(source)
     try:
         with working("contact on the teeth"):

@@ -1,4 +1,4 @@
-"""Teeth in contact: both members in mesh, for the turnable picture of the report and as a VTK file with the contact.
+"""Teeth in contact: both members in mesh, for the turnable picture of the report, as VTK and as REXS with the contact.
 
 Contact segments of a mesh position are strips in the tangent plane of the gear flank, with the pressure under them.
 """
@@ -11,6 +11,7 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,10 @@ import xarray as xr
 
 from ...cases.conversion import gear_pair
 from ...cases.reading import CASE
-from ...cases.schema.case_schema import MATING_SIDES, Case
-from ...contact.lines.contact_lines import boundary_distance
+from ...cases.rexs.rexs_vocabulary import GEAR_BACKLASH, STAGE_BACKLASH
+from ...cases.rexs.rexs_writing import ContactPoints, write_rexs
+from ...cases.schema.case_schema import MATING_SIDES, Case, MisalignmentTable
+from ...contact.lines.contact_lines import boundary_distance, contact_splines
 from ...contact.lines.flank_splines import FlankSplines, fit
 from ...core.arrays import Array, Integers
 from ...core.attributes import ordered
@@ -334,7 +337,7 @@ class QuadMesh:
         return np.concatenate(self._points), np.concatenate(self._quads), cells, points
 
 
-SUFFIX = ".vtu"
+SUFFIX, REXS_SUFFIX = ".vtu", ".rexs"
 FLANK_NODES = (121, 49)
 NODE_SIZE = 2.0e4  # memory of a node of a flank, with those of all teeth, while it is found and written [byte]
 RASTER = (361, 145)  # points over a flank from which the nodes have their values
@@ -353,7 +356,7 @@ def export_contact(
     mesh_position: float = 0.0,
     nodes: tuple[int, int] = FLANK_NODES,
 ) -> str:
-    """Write the teeth in contact at a mesh position as an unstructured grid of VTK.
+    """Write the teeth in contact at a mesh position as an unstructured grid of VTK, or the contact points as REXS.
 
     Cells are quadrilaterals: the surfaces of the teeth of both members that are in mesh, and on the gear flank a strip
     for every loaded segment, as long as the segment and as wide as its contact band. Cell data are the integers
@@ -364,18 +367,22 @@ def export_contact(
     The teeth stand as rigid ones of conjugate flanks would: deformation, rotation under load and motion of supports are
     not drawn, and the flanks are apart or overlap by some hundredths of a millimetre where they touch.
 
+    REXS holds the case, its least backlash if known, and the contact points on the gear flank over the whole mesh cycle
+    with ease-off, Hertzian pressure, load per length and, with friction, its coefficient, the ratio of film to
+    roughness, sliding velocity and flash temperature. Segments on sharp edges, which have no pressure, are left out.
+
     Parameters
     ----------
     tree
         A result of ``analyze`` or ``read_result``.
     path
-        The file, replaced if it exists; its suffix is ``.vtu``.
+        The file, replaced if it exists; its suffix is ``.vtu`` or ``.rexs``.
     torque
         A torque of the result at the pinion [N m]; the greatest if left out.
     mesh_position
-        A mesh position of the result, from 0 to 1.
+        A mesh position of the result, from 0 to 1; of VTK.
     nodes
-        Nodes of a flank, lengthwise and along the profile.
+        Nodes of a flank, lengthwise and along the profile; of VTK.
 
     Returns
     -------
@@ -385,8 +392,8 @@ def export_contact(
     Raises
     ------
     InputError
-        If ``tree`` is no result, keeps no case, does not have the torque or mesh position, or the file cannot be
-        written.
+        If ``tree`` is no result, keeps no case, does not have the torque or mesh position, has no contact to write, or
+        the file cannot be written.
     GeometryError
         If part of a tooth's surface does not exist.
 
@@ -401,10 +408,14 @@ def export_contact(
     '1 tooth pair in contact at 100 N m, mesh position 0'
     """
     target = file_path("path", path)
-    if target.suffix.lower() != SUFFIX:
-        raise InputError(f"{target}: suffix = {target.suffix!r}: must be {SUFFIX} for the contact of a result")
+    if target.suffix.lower() not in (SUFFIX, REXS_SUFFIX):
+        raise InputError(
+            f"{target}: suffix = {target.suffix!r}: must be {SUFFIX} or {REXS_SUFFIX} for the contact of a result"
+        )
     check_writable(target)
     require_result(tree)
+    if target.suffix.lower() == REXS_SUFFIX:
+        return _write_points(tree, target, torque)
     nodes = two_whole("nodes", nodes, 2)
     require_memory(f"nodes = {nodes[0]}x{nodes[1]}", NODE_SIZE * math.prod(nodes), "the surfaces of the teeth")
     teeth = TeethInMesh.of(tree, torque, nodes)
@@ -414,6 +425,50 @@ def export_contact(
         temporary.write_bytes(content)
     said = "1 tooth pair" if pairs == 1 else f"{pairs} tooth pairs"
     return f"{said} in contact at {teeth.torque:g} N m, mesh position {teeth.positions[number]:g}"
+
+
+def _write_points(tree: xr.DataTree, path: Path, torque: float | None) -> str:
+    """Write the case of a result as REXS, with the contact points of the mesh cycle at a torque [N m]."""
+    case, loaded, friction = _at_torque(tree, torque)
+    flanks = tree["flanks"].to_dataset()
+    cycle = [
+        loaded_segments(loaded.isel(at), None if friction is None else friction.isel(at))
+        for at in ({"mesh_position": index} for index in range(loaded.sizes["mesh_position"]))
+    ]
+    places = np.concatenate([segments.points for segments in cycle], axis=1)
+    values = {name: np.concatenate([segments.values[name] for segments in cycle]) for name in cycle[0].values}
+    fields = contact_splines(flanks, tree["ease_off"].to_dataset())
+    values["ease-off [mm]"] = fields("ease_off_angle", places) * fields("lever_arm", places)
+    kept = np.all(np.isfinite(list(values.values())), axis=0)
+    if not np.any(kept):
+        raise InputError(f"torque = {float(loaded['torque']):g}: must be one with contact in the result")
+    said = f"contact points on the gear flank at {float(loaded['torque']):g} N m"
+    points = flank_positions(flanks, "gear")("position", places[:, kept]).T
+    errors = {error.name: error.factor * float(tree.attrs[error.attribute]) for error in ERRORS}
+    known = {name: column[kept] for name, column in values.items()}
+    backlash = {}
+    if "backlash" in tree.children:
+        least = tree["backlash"].to_dataset()[[*STAGE_BACKLASH, *GEAR_BACKLASH]].min()
+        backlash = {str(name): float(value) for name, value in least.items() if np.isfinite(value)}
+    contact = ContactPoints(said, tree.attrs["flank"], points, known, backlash)
+    write_rexs(case.model_copy(update={"misalignment": MisalignmentTable(**errors)}), path, contact)
+    return f"{len(points)} {said}"
+
+
+def _at_torque(tree: xr.DataTree, torque: float | None) -> tuple[Case, xr.Dataset, xr.Dataset | None]:
+    """Case, loaded contact, and friction at its middle condition, at a torque [N m] of a result, else the greatest."""
+    from ..plot.friction_charts import middle_condition
+
+    loaded = tree["loaded"].to_dataset()
+    torques = loaded["torque"].values
+    index = int(np.argmax(torques)) if torque is None else int(chosen_torques(torques, torque)[0])
+    case = stored_case(tree)
+    if case is None:
+        raise InputError("the result keeps no case that can be read: its teeth cannot be made; analyse it anew")
+    if "friction" not in tree.children:
+        return case, loaded.isel(torque=index), None
+    whole = tree["friction"].to_dataset()
+    return case, loaded.isel(torque=index), whole.isel(middle_condition(whole) | {"torque": index})
 
 
 @dataclass(frozen=True)
@@ -430,22 +485,11 @@ class TeethInMesh:
     @classmethod
     def of(cls, tree: xr.DataTree, torque: float | None, nodes: tuple[int, int]) -> TeethInMesh:
         """Teeth at a torque [N m], the greatest if it is ``None``."""
-        from ..plot.friction_charts import middle_condition
-
-        loaded = tree["loaded"].to_dataset()
-        torques = loaded["torque"].values
-        index = int(np.argmax(torques)) if torque is None else int(chosen_torques(torques, torque)[0])
-        case = stored_case(tree)
-        if case is None:
-            raise InputError("the result keeps no case that can be read: its teeth cannot be made; analyse it anew")
+        case, loaded, friction = _at_torque(tree, torque)
         pair = pair_of_result(tree, case)
-        friction = None
-        if "friction" in tree.children:
-            whole = tree["friction"].to_dataset()
-            friction = whole.isel(middle_condition(whole) | {"torque": index})
         patches = {member: tooth_patches(pair, member, nodes) for member in MEMBER_NAMES}
         views = {member: tooth_view(tree, member) for member in MEMBER_NAMES}
-        return cls(tree, loaded.isel(torque=index), friction, pair, patches, views)
+        return cls(tree, loaded, friction, pair, patches, views)
 
     @property
     def torque(self) -> float:

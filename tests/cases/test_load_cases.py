@@ -170,6 +170,13 @@ def test_wrong_arguments_are_refused(case: Case, rows: list[LoadCase], given: di
 
 
 @pytest.mark.thorough
+def test_a_table_is_read_as_a_spreadsheet_saves_it(tmp_path: Path) -> None:
+    path = tmp_path / "duty.csv"
+    path.write_bytes("sep=;\r\ntorque;E;speed\r\n100;0,05;1.5D+03\r\n".encode("utf-16"))
+    (row,) = read_load_cases(path)
+    assert (row.torque, row.E, row.speed) == (100.0, 0.05, 1500.0)
+
+
 def test_the_command_runs_a_table_and_the_load_cases_of_the_case(tmp_path: Path, case: Case) -> None:
     own, table, file = (tmp_path / name for name in ("case.toml", "duty.csv", "duty.nc"))
     table.write_text("name,torque,speed,share,E\ncruise,100,2500,0.9,\nclimb,300,1500,0.1,0.05\n")

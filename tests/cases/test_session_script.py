@@ -186,6 +186,21 @@ def test_values_arrive_under_our_names(tmp_path: Path) -> None:
     assert "RADIALSETTING" not in text
 
 
+def test_a_keyword_given_twice_is_told_with_both_lines(tmp_path: Path) -> None:
+    """The last one counts, as in the menus of the program; the same keyword in another menu is another setting."""
+    once = script("LEFT", MACHINES)
+    first = next(at for at, line in enumerate(once.splitlines(), start=1) if "RADIALSETTING" in line)
+    lines = once.splitlines()
+    lines.insert(first, "RADIALSETTING 80.5")
+    case, notes = read("\n".join(lines), tmp_path)
+    _, quiet = read(once, tmp_path)
+    told = [note for note in notes if "replaces" in note]
+    value = lines[first - 1].split("RADIALSETTING")[1].split()[0]
+    assert told == [f"line {first + 1}: RADIALSETTING 80.5 replaces {value} of line {first}"]
+    assert not any("replaces" in note for note in quiet)
+    assert 80.5 in [flank.machine.radial_distance for flank in (case.pinion.concave, case.pinion.convex) if flank]
+
+
 def test_blades_arrive_under_our_names(tmp_path: Path) -> None:
     cutters: dict[str, dict[str, dict[str, Any]]] = {
         member: {flank: dict(values) for flank, values in flanks.items()} for member, flanks in CUTTERS.items()

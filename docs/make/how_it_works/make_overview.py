@@ -114,7 +114,7 @@ NOTEBOOK = "in a notebook"
 READERS = (
     ("study/summary", "show, cite", "text"),
     ("study/plot", "plot", "{formats}"),
-    ("study/report", "report, export", ".html, .vtu"),
+    ("study/report", "report, export", ".html .vtu .rexs"),
     ("study/notebook", NOTEBOOK, "tables, figures"),
 )
 #: What goes through all steps again and again: folders, commands, and what it makes.

@@ -177,6 +177,27 @@ def test_both_formats_say_what_the_numbers_are(gear_points: xr.Dataset, tmp_path
         assert all(variable.attrs["long_name"] for variable in stored.variables.values())
 
 
+def test_points_have_their_place_on_the_flank_and_limits(pair: GearPair, tmp_path: Path) -> None:
+    """Places give the positions back, by the section's own map; limits are the tolerance at every point."""
+    member = pair.pinion
+    points = cmm_points(
+        member, 4, 6, EdgeMargins(root=1.0), tooth_angle=tooth_angle(pair, "pinion"), tolerance=(-5, 10)
+    )
+    x, y, axial = np.moveaxis(points["position"].values, -1, 0)
+    found = member.section.points(points["lengthwise"].values, points["profile"].values)
+    np.testing.assert_allclose(found, [axial, np.hypot(x, y)], rtol=0, atol=1e-9)
+    assert np.all(points["lower_tolerance"] == -5.0)
+    assert np.all(points["upper_tolerance"] == 10.0)
+    assert points["upper_tolerance"].attrs["units"] == "um"
+    path = tmp_path / "pinion.csv"
+    output_of(
+        "export", "nasa-12x36", "-o", path, "--tolerance", "-5,10", "--rows", 4, "--columns", 6, "--margins", "root=1"
+    )
+    head = next(line for line in path.read_text().splitlines() if not line.startswith("#"))
+    assert head.endswith("nz,lengthwise,profile,lower_tolerance,upper_tolerance")
+    xr.testing.assert_equal(read_cmm_points(path), points)
+
+
 def line_changed(text: str, number: int, old: str, new: str) -> str:
     lines = text.splitlines()
     assert old in lines[number - 1]
@@ -192,13 +213,17 @@ def line_changed(text: str, number: int, old: str, new: str) -> str:
         (2, "1", "99", "format version 99"),
         (2, "1", "one", "line 2.*format_version.*'one'"),
         (3, ": ", " ", "line 3.*# key: value"),
-        (17, "row,column", "column,row", "line 17.*expected the column names"),
-        (20, "concave,1,3,", "concave,1,", "line 20.*8 values, expected 9"),
+        (17, "row,column", "rows,column", "line 17: 'rows' is no column; did you mean 'row'.; expected the column"),
+        (17, "row,column", "row,row", "line 17: 'row' comes twice; expected the column names"),
+        (17, ",nz", "", "line 17: .*: expected the column names flank,row,column,x,y,z,nx,ny,nz in any order"),
+        (17, ",x,", ",x [inch],", "line 17: unit of x = 'inch': must be one of mm"),
+        (17, ",nz", ",nz,measured_x,deviation", "expected the column names.* deviation or measured_x,measured_y"),
+        (20, "concave,1,3,", "concave,1,", "line 20.*10 values, expected 11"),
         (20, "concave,1,3,", "concave,1,three,", "line 20.*three"),
         (20, "concave,1,3,", "drive,1,3,", "line 20: flank = 'drive': must be one of concave, convex"),
         (20, "concave,1,3,", "concave,0,3,", "line 20: row = 0, column = 3: must be 1 or more"),
         (20, "concave,1,3,", "concave,1,2,", "line 20.*second point of the concave flank in row 1, column 2"),
-        (20, "concave,1,3,", "concave,1,3,0.5,", "line 20.*10 values, expected 9"),
+        (20, "concave,1,3,", "concave,1,3,0.5,", "line 20.*12 values, expected 11"),
         (20, "concave,1,3,", "concave,1,10,", "no point in row 1, column 3"),
     ],
 )
@@ -278,6 +303,9 @@ def test_command_writes_the_points_of_a_case(tmp_path: Path, pair: GearPair) -> 
         (["x.csv", "--margins", "top=1"], "must be one of toe, heel, root, tip"),
         (["x.csv", "--margins", "toe"], "toe=3,root=1.2"),
         (["x.csv", "--margins", "toe=30"], "leave nothing of the flank"),
+        (["x.csv", "--tolerance", "0"], "tolerance = 0, 0: must be a lower limit and a greater upper one [um]"),
+        (["x.csv", "--tolerance", "10,5,2"], "must be a tolerance in um, or its lower and upper limit"),
+        (["x.stl", "--tolerance", "5"], "--tolerance: must go with measuring points, not with a .stl file"),
         (["x.stl", "--nodes", "61"], "61x31"),
         (["x.stl", "--nodes", "3x3"], "between 5 and 1001"),
         (["x.stl", "--teeth", "few"], "a number of teeth, or all"),

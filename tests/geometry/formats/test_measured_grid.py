@@ -109,13 +109,13 @@ def test_measured_coordinates_stand_for_the_deviations(tmp_path: Path) -> None:
     for i in range(start + 1, len(lines)):
         cells = lines[i].split(",")
         place, normal, d = np.array(cells[3:6], float), np.array(cells[6:9], float), float(cells[9])
-        lines[i] = ",".join([*cells[:9], *(repr(float(v)) for v in place + 1e-3 * d * normal)])
+        lines[i] = ",".join([*cells[:9], *(repr(float(v)) for v in place + 1e-3 * d * normal), *cells[10:]])
     path.write_text("\n".join(lines))
     np.testing.assert_allclose(
         read_measured_grid(path)["deviation"].values, grid()["deviation"].values, rtol=0, atol=1e-9
     )
     for mistake in ("1.0", "1e300"):
-        lines[-1] = ",".join([*lines[-1].split(",")[:9], mistake, "2.0", "3.0"])
+        lines[-1] = ",".join([*lines[-1].split(",")[:9], mistake, "2.0", "3.0", *lines[-1].split(",")[12:]])
         path.write_text("\n".join(lines))
         with pytest.raises(InputError, match="beside the normals"):
             read_measured_grid(path)
@@ -123,7 +123,7 @@ def test_measured_coordinates_stand_for_the_deviations(tmp_path: Path) -> None:
 
 def test_millimetres_are_read_if_said_and_noticed_if_not(tmp_path: Path) -> None:
     def in_mm(cells: list[str]) -> list[str]:
-        return [*cells[:9], repr(1e-3 * float(cells[9]))]
+        return [*cells[:9], repr(1e-3 * float(cells[9])), *cells[10:]]
 
     path = rewritten(tmp_path, in_mm)
     with pytest.raises(InputError, match=r"must be at least 0.1 um. If the values are in mm, add"):
@@ -138,13 +138,14 @@ def test_millimetres_are_read_if_said_and_noticed_if_not(tmp_path: Path) -> None
 
 
 def test_nanometres_are_noticed(tmp_path: Path) -> None:
-    path = rewritten(tmp_path, lambda cells: [*cells[:9], repr(1e3 * float(cells[9]))])
+    path = rewritten(tmp_path, lambda cells: [*cells[:9], repr(1e3 * float(cells[9])), *cells[10:]])
     with pytest.raises(InputError, match=r"largest deviation = .* um: must be at most 1000 um"):
         read_measured_grid(path)
 
 
 def test_a_hole_in_the_grid_is_refused(tmp_path: Path) -> None:
-    path = rewritten(tmp_path, lambda cells: [*cells[:9], "nan" if cells[:3] == ["convex", "2", "4"] else cells[9]])
+    hole = ["convex", "2", "4"]
+    path = rewritten(tmp_path, lambda cells: [*cells[:9], "nan" if cells[:3] == hole else cells[9], *cells[10:]])
     with pytest.raises(InputError, match=r"line .*: every value must be a finite number"):
         read_measured_grid(path)
     holed = grid()["deviation"].values.copy()
@@ -430,12 +431,71 @@ def test_points_saved_by_a_spreadsheet_are_read(mark: str, point: str, tmp_path:
     assert read_measured_grid(path).equals(random_grid())
 
 
+HEADS: dict[str, Callable[[str], str]] = {
+    "capitals": lambda name: name.upper(),
+    "units": lambda name: f"{name.title()} [{'mm' if name in 'xyz' else 'µm' if name == 'deviation' else '1'}]",
+    "parentheses": lambda name: f"{name}(microns)" if name == "deviation" else name,
+}
+
+
+@pytest.mark.parametrize("mark", [",", ";", " "])
+@pytest.mark.parametrize("head", HEADS)
+def test_heads_are_read_in_any_case_and_order_and_with_units(head: str, mark: str, tmp_path: Path) -> None:
+    path = tmp_path / "gear.csv"
+    write_measured_grid(random_grid(), path)
+    comments, _, body = path.read_text(encoding="utf-8").partition("flank,")
+    rows = [line.split(",")[::-1] for line in f"flank,{body}".splitlines()]
+    rows[0] = [HEADS[head](name) for name in rows[0]]
+    path = text_file(path, comments + "\n".join(map(mark.join, rows)))
+    assert read_measured_grid(path).equals(random_grid())
+
+
+@pytest.mark.parametrize("unit", ["\u00b5m", "\u03bcm", "\u039cM", "um", "UM", "micron", "Microns", "mum"])
+def test_micrometres_are_read_in_any_spelling(unit: str, tmp_path: Path) -> None:
+    path = text_file(tmp_path / "gear.csv", table(VALUES, deviation_unit=unit))
+    assert read_measured_grid(path, pair().gear).equals(random_grid())
+    found = measured_matrix(pair().gear, VALUES, deviation_unit=unit)
+    assert found.equals(random_grid())
+    named = random_grid().assign(deviation=random_grid()["deviation"].assign_attrs(units=unit))
+    named.assign_attrs(deviation_unit=unit).to_netcdf(tmp_path / "gear.nc")
+    assert read_measured_grid(tmp_path / "gear.nc").equals(random_grid())
+
+
+def test_the_head_states_the_unit_of_the_deviation_once(tmp_path: Path) -> None:
+    path = tmp_path / "gear.csv"
+    write_measured_grid(measured_grid(random_grid(), VALUES / 50.0), path)
+    written = path.read_text(encoding="utf-8").replace(",deviation,", ",deviation [mm],")
+    with pytest.raises(InputError, match=r"line \d+: deviation_unit = 'mm': must be 'um', as it is above"):
+        read_measured_grid(text_file(path, written))
+    found = read_measured_grid(text_file(path, written.replace("# deviation_unit: um\n", "")))
+    np.testing.assert_allclose(found["deviation"].values[0], 20.0 * VALUES)
+
+
+@pytest.mark.parametrize(
+    ("encoding", "named"),
+    [("utf-8", "sep=;\n"), ("utf-8-sig", '"sep=;"\n'), ("utf-16", ""), ("utf-16-le", "SEP=;\n"), ("utf-16-be", "")],
+)
+def test_encodings_and_the_separator_of_a_spreadsheet_are_read(encoding: str, named: str, tmp_path: Path) -> None:
+    path = tmp_path / "gear.csv"
+    mark = "\ufeff" if encoding.endswith("e") else ""
+    path.write_bytes((mark + named + table(VALUES, deviation_unit="µm")).encode(encoding))
+    assert read_measured_grid(path, pair().gear).equals(random_grid())
+
+
+@pytest.mark.parametrize("point", [",", "."])
+def test_exponents_of_fortran_are_read(point: str, tmp_path: Path) -> None:
+    written = table(VALUES / 10.0, point=point).replace(";", "D+01;").splitlines()
+    text = "\n".join(line if line.startswith("#") else f"{line}d1" for line in written)
+    found = read_measured_grid(text_file(tmp_path / "gear.csv", text), pair().gear)
+    np.testing.assert_allclose(found["deviation"].values[0], 10.0 * np.round(VALUES / 10.0, 2), rtol=1e-12)
+
+
 def test_decimal_commas_among_commas_are_refused_with_a_way_out(tmp_path: Path) -> None:
     path = tmp_path / "gear.csv"
     write_measured_grid(random_grid(), path)
-    head, _, body = path.read_text(encoding="utf-8").partition("deviation\n")
-    path.write_text(f"{head}deviation\n{body.replace('.', ',')}", encoding="utf-8")
-    with pytest.raises(InputError, match=r"line \d+: 'convex,1,1.*values, expected 10 .*columns by semicolons"):
+    head, _, body = path.read_text(encoding="utf-8").partition("profile\n")
+    path.write_text(f"{head}profile\n{body.replace('.', ',')}", encoding="utf-8")
+    with pytest.raises(InputError, match=r"line \d+: 'convex,1,1.*values, expected 12 .*columns by semicolons"):
         read_measured_grid(path)
 
 

@@ -1,4 +1,4 @@
-"""Contact in mesh position as a VTK file, read back by another library: values of the result on its flanks."""
+"""Contact of a result as files: in VTK, read back by another library, and in REXS, by its published schema."""
 
 from __future__ import annotations
 
@@ -11,10 +11,15 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 from runs import output_of, read_only, refusal_of, small
+from scipy.interpolate import RegularGridInterpolator
 from scipy.spatial import cKDTree
 
 import easeoff
 from easeoff import InputError
+from easeoff.cases import gear_pair, read_rexs
+from easeoff.cases.rexs.rexs_reading import Component, Model, read_model
+from easeoff.cases.rexs.rexs_vocabulary import Term
+from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.study.report.contact_mesh import band_pressure, export_contact
 
 Array = NDArray[Any]
@@ -166,7 +171,7 @@ def test_mistakes_name_what_there_is(tree: xr.DataTree, tmp_path: Path) -> None:
         with pytest.raises(InputError) as caught:
             export_contact(tree, tmp_path / "x.vtu", **given)  # type: ignore[arg-type]
         assert said in str(caught.value)
-    with pytest.raises(InputError, match=r"must be \.vtu for the contact"):
+    with pytest.raises(InputError, match=r"must be \.vtu or \.rexs for the contact"):
         export_contact(tree, tmp_path / "x.stl")
     without = tree.copy()
     without.attrs = {name: value for name, value in tree.attrs.items() if name != "case"}
@@ -188,6 +193,121 @@ def test_the_command_tells_results_from_cases(tree: xr.DataTree, tmp_path: Path)
         ((result, "-o", tmp_path / "y.vtu", "--member", "gear"), "--member: must go with a CASE"),
         (("nasa-12x36", "-o", tmp_path / "y.stl", "--mesh-position", "0"), "--mesh-position: must go with a RESULT"),
         ((tmp_path / "no.nc", "-o", tmp_path / "y.vtu"), "there is no such file"),
+        ((result, "-o", tmp_path / "y.rexs", "--mesh-position", "0"), "--mesh-position: must go with a .vtu file"),
     ):
         assert said in refusal_of("export", *words)
     assert not list(tmp_path.glob("y.*"))
+
+
+# REXS
+
+
+@pytest.fixture(scope="module")
+def model(tree: xr.DataTree, tmp_path_factory: pytest.TempPathFactory) -> Model:
+    path = tmp_path_factory.mktemp("rexs") / "pair.rexs"
+    said = export_contact(tree, path, torque=TORQUE)
+    assert said.endswith(" contact points on the gear flank at 100 N m")
+    return read_model(path)
+
+
+def only(model: Model, kind: str) -> Component:
+    (found,) = [component for component in model.components.values() if component.kind == kind]
+    return found
+
+
+def column(component: Component, name: str, unit: str) -> Array:
+    """Numbers of an attribute, whose unit must be that of the schema."""
+    assert component.attributes[name].attrib["unit"] == unit
+    return np.array([float(entry.text or "") for entry in component.attributes[name].iter("c")])
+
+
+def test_points_and_values_hang_together_as_the_schema_of_rexs_says(model: Model) -> None:
+    """Relations, roles and types of components that rexs_schema_2.0.0.xml allows."""
+    points, values = only(model, "point_list"), only(model, "meshing_contact_stage_data_set")
+    stage, (_, gear) = only(model, "bevel_stage"), [c for c in model.components.values() if c.kind == "bevel_gear"]
+    (to_points,) = model.related("assembly", "part", points.number)
+    data = model.components[to_points.roles["assembly"]]
+    assert data.kind == "bevel_stage_gear_data"
+    (to_gear,) = model.related("stage_gear_data", "stage_gear_data", data.number)
+    assert to_gear.roles == {"stage": stage.number, "gear": gear.number, "stage_gear_data": data.number}
+    (to_values,) = model.related("reference", "origin", points.number)
+    assert to_values.roles["referenced"] == values.number
+    assert points.text(Term("kind_of_point_list", "none")) == "meshing_contact_points"
+    np.testing.assert_array_equal(column(points, "point_ids", "none"), column(values, "set_ids", "none"))
+
+
+def test_the_loaded_flanks_are_those_of_the_drive_side(model: Model) -> None:
+    for relation, loaded in zip(
+        [relation for relation in model.relations if relation.kind == "stage_gear_data"],
+        ("concave", "convex"),
+        strict=True,
+    ):
+        role = model.components[relation.roles["stage_gear_data"]].text(Term("loaded_tooth_flank", "none"))
+        (flanks,) = model.related("flank", "gear", relation.roles["gear"])
+        assert role is not None
+        assert model.components[flanks.roles[role]].text(Term("custom_easeoff_flank", "none")) == loaded
+
+
+def test_points_lie_on_the_gear_flank_and_have_the_values_of_the_result(model: Model, tree: xr.DataTree) -> None:
+    points, values = only(model, "point_list"), only(model, "meshing_contact_stage_data_set")
+    u, v, w = (column(points, f"point_coordinates_{axis}_coord", "mm") for axis in "uvw")
+    member = gear_pair(small("fm-11x41", "shell")).gear
+    on = solve_flank(member.loaded, member.section, u, np.hypot(v, w)).position
+    np.testing.assert_allclose([w, -v, u], on, rtol=0, atol=1e-3)
+    at = {"torque": 1, "speed": 0, "temperature": 0, "roughness": 0}
+    loaded, friction = (tree[group].to_dataset() for group in ("loaded", "friction"))
+    loaded, friction = loaded.isel(torque=1), friction.isel(at)
+    kept = (loaded["force"].values > 0.0) & np.isfinite(loaded["pressure"].values)
+    assert np.count_nonzero(kept) == u.size
+    for name, unit, expected in (
+        ("local_hertzian_contact_stress", "MPa", loaded["pressure"]),
+        ("local_normal_line_load", "N / mm", loaded["force"] / loaded["length"]),
+        ("local_coefficient_of_friction", "none", friction["friction_coefficient"]),
+        ("local_relative_lubricant_filmthickness", "none", friction["lambda_ratio"]),
+        ("local_sliding_velocity", "m / s", friction["sliding_velocity"]),
+        ("local_flash_temperature_blok_1937", "K", friction["flash_temperature"]),
+    ):
+        np.testing.assert_allclose(column(values, name, unit), expected.values[kept], rtol=1e-12)
+    ease_off = tree["ease_off"].to_dataset()
+    places = np.stack([loaded[name].values[kept] for name in ("lengthwise", "profile")], axis=-1)
+    near = RegularGridInterpolator(
+        (ease_off["lengthwise"].values, ease_off["profile"].values), ease_off["ease_off"].values
+    )
+    gap = 1e-3 * near(places)
+    found, known = column(values, "ease_off", "mm"), np.isfinite(gap)
+    np.testing.assert_allclose(found[known], gap[known], rtol=0, atol=5e-4)
+    assert np.ptp(gap[known]) > 0.01
+
+
+def test_the_case_of_the_file_has_the_misalignment_of_the_result(tree: xr.DataTree, tmp_path: Path) -> None:
+    moved = tree.copy()
+    moved.attrs = {**tree.attrs, "misalignment_offset_mm": 0.05, "misalignment_shaft_angle_rad": np.radians(0.1)}
+    export_contact(moved, tmp_path / "pair.rexs")
+    case, _ = read_rexs(tmp_path / "pair.rexs")
+    assert case.misalignment.offset == 0.05
+    assert case.misalignment.shaft_angle == pytest.approx(0.1, rel=1e-12)
+    assert case.gear.convex == small("fm-11x41", "shell").gear.convex
+
+
+def test_a_torque_without_contact_is_refused(tree: xr.DataTree, tmp_path: Path) -> None:
+    empty = tree.copy()
+    empty["loaded"] = xr.DataTree(tree["loaded"].to_dataset().assign(force=0.0 * tree["loaded"]["force"]))
+    with pytest.raises(InputError, match="torque = 100: must be one with contact in the result"):
+        export_contact(empty, tmp_path / "pair.rexs")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_least_backlash_stands_at_the_stage_and_at_the_gear(tree: xr.DataTree, tmp_path: Path) -> None:
+    where = {"mean_normal": "bevel_stage", "outer_normal": "bevel_stage", "mean_transverse": "bevel_gear"}
+    where["outer_transverse"] = "bevel_gear"
+    known = tree.copy()
+    columns = {
+        f"{name}_backlash": ("mesh_position", [0.3, np.nan, 0.1 + 0.01 * at, 0.2]) for at, name in enumerate(where)
+    }
+    known["backlash"] = xr.DataTree(xr.Dataset(columns))
+    export_contact(known, tmp_path / "pair.rexs")
+    model = read_model(tmp_path / "pair.rexs")
+    for at, (name, kind) in enumerate(where.items()):
+        holders = [c for c in model.components.values() if f"{name}_backlash" in c.attributes]
+        assert [(c.kind, c.number_of(Term(f"{name}_backlash", "mm"))) for c in holders] == [(kind, 0.1 + 0.01 * at)]
+        assert kind == "bevel_stage" or holders[0].name == "gear"
