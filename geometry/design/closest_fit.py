@@ -7,7 +7,8 @@ or grinds in standard steps are taken before the machine settings are fitted, so
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import TypeVar
@@ -142,18 +143,29 @@ def best_fit(
         return enough and is_good(fit, target, clearance if follow_root else math.inf)
 
     (pair, fold_margin), fit = first_good(_attempts(starts, target, free, follow_root), cost, good)
+
+    def again(fit: Synthesis, blade: Mapping[str, float]) -> Synthesis:
+        """The fit once more, from where it ended, with settings of the blade held."""
+        near = replace(pair, pinion=replace(pair.pinion, loaded=with_settings(fit.surface, blade)))
+        names = [name for name in fit.moved if name not in blade]
+        if fold_margin > 0.0:
+            held = _from_crown_gear(near, target, names, follow_root)
+        else:
+            held = fit_pinion(near, target, free=names, follow_root=follow_root)
+        return started_from(pair.pinion.loaded, held, fit.moved)
+
+    angle = min(max(get_setting(fit.surface, "pressure_angle"), BLADE_ANGLES[0]), BLADE_ANGLES[1])
+    if angle != get_setting(fit.surface, "pressure_angle") and "pressure_angle" in fit.moved:
+        with suppress(GeometryError):
+            usual = again(fit, {"pressure_angle": angle})
+            fit = usual if good(usual) else fit
     # The blade at standard steps, and the other settings fitted once more.
     milled = fit.surface.settings.indexing_ratio == 0.0
     blade = {name: v for name, v in steps.blade(fit.surface, with_radius=milled).items() if name in fit.moved}
-    if not blade:
-        return fit
-    near = replace(pair, pinion=replace(pair.pinion, loaded=with_settings(fit.surface, blade)))
-    names = [name for name in fit.moved if name not in blade]
-    if fold_margin > 0.0:
-        again = _from_crown_gear(near, target, names, follow_root)
-    else:
-        again = fit_pinion(near, target, free=names, follow_root=follow_root)
-    return started_from(pair.pinion.loaded, again, fit.moved)
+    return again(fit, blade) if blade else fit
+
+
+BLADE_ANGLES = (math.radians(8.0), math.radians(32.0))  # customary
 
 
 Start = TypeVar("Start")

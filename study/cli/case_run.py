@@ -40,6 +40,20 @@ def opened_case(case: str, output: Path | None, *sources: object, supports: str 
     return checked if supports is None else with_supports(checked, supports)
 
 
+def basic_data_lines(case: Case) -> list[str]:
+    """Values taken for what the basic data of a case leave out, and spiral angles that differ, a line each."""
+    if case.blank_design is None:
+        return []
+    from ...cases import designed_blanks
+    from ...cases.conversion import TOLD_SPIRAL_DIFFERENCE, spiral_angle_difference
+
+    blank = designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
+    difference, text = spiral_angle_difference(case.blank_design, blank)
+    taken = [f"  {each}" for each in case.blank_design.defaults]
+    head = ["Taken for what [blank_design] leaves out:"] if taken else []
+    return [*head, *taken, *([f"Warning: {text}"] if abs(difference) > TOLD_SPIRAL_DIFFERENCE else [])]
+
+
 def check_output(output: Path | None, *sources: object, suffix: str | None = None, force: bool | None = None) -> None:
     """Refuse a file to write, if there is one, that cannot be written or is one of the files read.
 
