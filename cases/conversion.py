@@ -86,7 +86,7 @@ def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairT
 
 
 #: [deg] between the spiral angles that a drawing gives of pinion and gear: a larger one is refused, one is told.
-LARGEST_SPIRAL_DIFFERENCE, TOLD_SPIRAL_DIFFERENCE = 5.0, 0.1
+LARGEST_SPIRAL_DIFFERENCE, TOLD_SPIRAL_DIFFERENCE = 8.0, 0.1
 
 
 def spiral_angle_difference(table: BlankDesignTable, blank: BlankDimensions) -> tuple[float, str]:

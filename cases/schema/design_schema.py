@@ -26,8 +26,8 @@ class DesignedGear(Table):
 
     number_of_teeth: int = number("number of teeth", "1", ge=3, le=500)
     generation: Literal["formate", "generated"] = key(
-        "whether the gear is rolled while it is cut, or only indexed; if left out it is generated below the pitch angle "
-        "that a ratio of 2.5 has at 90 degrees",
+        "whether the gear is rolled while it is cut, or only indexed; if left out it is generated below a ratio of "
+        "2.5, at other shaft angles than 90 degrees below the pitch angle of that",
         default="formate",
     )
     basic_settings: Literal["mean_point", "root_line"] = key(

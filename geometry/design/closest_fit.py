@@ -154,11 +154,18 @@ def best_fit(
             held = fit_pinion(near, target, free=names, follow_root=follow_root)
         return started_from(pair.pinion.loaded, held, fit.moved)
 
-    angle = min(max(get_setting(fit.surface, "pressure_angle"), BLADE_ANGLES[0]), BLADE_ANGLES[1])
-    if angle != get_setting(fit.surface, "pressure_angle") and "pressure_angle" in fit.moved:
+    # Blade angles far from those of the start undercut teeth, and the valley to them is flat.
+    began, found = get_setting(pair.pinion.loaded, "pressure_angle"), get_setting(fit.surface, "pressure_angle")
+    limit, close = (clearance if follow_root else math.inf), SURE_SHARE * residual_limits(target)[0]
+    for reach in (NEAR_ANGLE, math.inf) if steps.blade_angle and "pressure_angle" in fit.moved else ():
+        angle = min(max(found, BLADE_ANGLES[0], began - reach), BLADE_ANGLES[1], max(began + reach, BLADE_ANGLES[0]))
+        if angle == found:
+            break
         with suppress(GeometryError):
             usual = again(fit, {"pressure_angle": angle})
-            fit = usual if good(usual) else fit
+            if is_good(usual, target, limit) and (math.isinf(reach) or usual.largest_residual <= close):
+                fit = usual
+                break
     # The blade at standard steps, and the other settings fitted once more.
     milled = fit.surface.settings.indexing_ratio == 0.0
     blade = {name: v for name, v in steps.blade(fit.surface, with_radius=milled).items() if name in fit.moved}
@@ -166,6 +173,8 @@ def best_fit(
 
 
 BLADE_ANGLES = (math.radians(8.0), math.radians(32.0))  # customary
+NEAR_ANGLE = math.radians(5.0)  # of a blade to that of the start
+SURE_SHARE = 0.75  # of the residual of a good fit, up to which a blade near that of the start is taken
 
 
 Start = TypeVar("Start")

@@ -211,20 +211,22 @@ class ToothSpaces:
 
     def warnings(self) -> Iterator[str]:
         """Warnings of teeth that cannot be cut as they are, a sentence each."""
+        module = self.slots.line.proportions.mean_normal_module
         for k, name in enumerate(MEMBERS):
             least, most = self.blade_point(k)
+            even = self._even_slot(k) if self.slots.width[k, 1] > NARROW_SLOT * module else TOOTH_ADVICE[""][k]
             if not most > 0.0:
-                none = f"the {name}'s slot has no width at its narrowest end ({most:.2f} mm): no blade enters it"
-                yield f"{none}; {TOOTH_ADVICE[''][k]} helps"
+                none = f"the {name}'s slot has no width at its narrowest end ({most:.2f} mm)"
+                yield f"{none}: no blade enters it; {even} helps"
             elif least > most:
                 yield (
                     f"the {name}'s slot narrows from {self.slots.greatest[k]:.2f} to {most:.2f} mm: a blade that fits "
                     f"the narrow end leaves a fin at the wide one; {self._even_slot(k)} helps"
                 )
-            elif most < NARROW_SLOT * (module := self.slots.line.proportions.mean_normal_module):
+            elif most < NARROW_SLOT * module:
                 yield (
                     f"the {name}'s slot is {most:.2f} mm wide at its narrowest end, for a module of {module:.2f} mm: "
-                    f"blades of so narrow a point are weak; {TOOTH_ADVICE[''][k]} helps"
+                    f"blades of so narrow a point are weak; {even} helps"
                 )
             if (deepest := float(np.nanmin(self.fillet_clearance[k], initial=np.inf))) < -FILLET_MUTILATION:
                 # Higher than the edge of the blade leaves it, the fillet is one of an undercut flank.

@@ -407,8 +407,9 @@ def member_blank(
     thickness = module * (math.pi / 2.0 + 2.0 * (frame.thickness_modification_coefficient + shift))
     if not thickness > 0.0:
         raise GeometryError(
-            f"member with {frame.number_of_teeth} teeth: mean normal thickness {thickness:g} mm; of the pinion a larger "
-            "and of the gear a smaller thickness_factor, thickness_modification_coefficient or gear_mean_slot_width helps"
+            f"member with {frame.number_of_teeth} teeth: mean normal thickness {thickness:g} mm; for the pinion a "
+            "larger, for the gear a smaller thickness_factor, thickness_modification_coefficient or "
+            "gear_mean_slot_width helps"
         )
     normal_diameter = mean_diameter / (cosine * (1.0 - (math.sin(spiral) * math.cos(normal_pressure_angle)) ** 2))
     half_angle = thickness / normal_diameter
