@@ -51,7 +51,7 @@ def mistakes(model: type[BaseModel], error: ValidationError, further: Sequence[s
     items = _items(error)
     total = sum(map(_count, items)) + len(further)
     shown: list[str] = []
-    lines = [*_lines(model, items[:LINE_COUNT_LIMIT]), *(f"  {_name_of(model)}: {text}" for text in further)]
+    lines = [*_lines(model, items[:LINE_COUNT_LIMIT]), *(f"  {model.__name__.lower()}: {text}" for text in further)]
     for line in lines[:LINE_COUNT_LIMIT]:
         if shown and sum(map(len, shown)) + len(line) > MESSAGE_LENGTH_LIMIT:
             break
@@ -74,15 +74,11 @@ def _count(item: Any) -> int:
     return str(item["ctx"]["error"]).count("\n") + 1 if item["type"] == "value_error" else 1
 
 
-def _name_of(model: type[BaseModel]) -> str:
-    return model.__name__.lower()
-
-
 def _lines(model: type[BaseModel], items: list[Any]) -> list[str]:
     lines = []
     tables: set[tuple[Any, ...]] = set()  # tables whose keys were listed
     for item in items:
-        key = shortened(printable(".".join(str(part) for part in item["loc"]))) or _name_of(model)
+        key = shortened(printable(".".join(str(part) for part in item["loc"]))) or model.__name__.lower()
         lines += [f"  {key}{_value(item)}: {text}" for text in _allowed(model, item, tables).split("\n")]
     return lines
 

@@ -149,11 +149,9 @@ def _unsuited_basic_data(data: Mapping[str, Any], error: ValidationError) -> lis
     certain = {(), ("blank_design",), ("pair",), ("blank_design", "method"), ("blank_design", "process")}
     if not basic or not wrong.isdisjoint(certain):
         return []
-    teeth = [
-        36 if not wrong.isdisjoint([(name,), (name, "number_of_teeth")]) else data[name]["number_of_teeth"]
-        for name in ("pinion", "gear")
-    ]
-    unsure = {place[1] for place in wrong if place[0] == "blank_design"}
+    counted = wrong.isdisjoint([(name, *key) for name in ("pinion", "gear") for key in ((), ("number_of_teeth",))])
+    teeth = [data[name]["number_of_teeth"] if counted else 36 for name in ("pinion", "gear")]
+    unsure = {str(place[1]) for place in wrong if place[0] == "blank_design"}
     known = BlankDesignTable.model_fields
     sound = {key: value for key, value in basic.items() if key not in unsure and key in known}
     table = BlankDesignTable.model_validate({"cutter_radius": 1e3, **sound})

@@ -166,10 +166,12 @@ def best_fit(
             if is_good(usual, target, limit) and (math.isinf(reach) or usual.largest_residual <= close):
                 fit = usual
                 break
-    # The blade at standard steps, and the other settings fitted once more.
+    # The blade at standard steps, and the other settings fitted once more; as computed where that fails.
     milled = fit.surface.settings.indexing_ratio == 0.0
     blade = {name: v for name, v in steps.blade(fit.surface, with_radius=milled).items() if name in fit.moved}
-    return again(fit, blade) if blade else fit
+    with suppress(GeometryError):
+        fit = again(fit, blade) if blade else fit
+    return fit
 
 
 BLADE_ANGLES = (math.radians(8.0), math.radians(32.0))  # customary

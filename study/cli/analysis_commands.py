@@ -16,15 +16,7 @@ from ...core.errors import time_in_words
 from ...core.process_settings import THREAD_VARIABLES
 from ..progress import terminal_bar, working
 from . import option
-from .case_run import (
-    TOLD_TIME,
-    basic_data_lines,
-    check_cost,
-    check_folders,
-    opened_case,
-    outside_allowed,
-    progress_bar,
-)
+from .case_run import TOLD_TIME, check_cost, check_folders, opened_case, outside_allowed, progress_bar
 from .command import EXIT_UNCERTIFIED, Command, echo, next_commands, quick_start
 from .option_values import given_model, reader, with_defaults
 from .result_commands import draw, end_with
@@ -111,8 +103,6 @@ def run(
     tables = None if load_cases == OF_THE_CASE else load_cases
     checked = opened_case(case, output, tables, options["oil"], *options["deviations"].values(), supports=supports)
     check_folders(output, plots)
-    for line in basic_data_lines(checked):
-        echo(line)
     models = any(options[name] is not None for name in ("friction_model", "film_heating"))
     models |= bool(options["clamp_temperature"] or options["friction_feedback"])
     options["friction_model"] = given_model(checked, options)

@@ -31,10 +31,15 @@ def outside_allowed() -> bool:
 
 
 def opened_case(case: str, output: Path | None, *sources: object, supports: str | None = None) -> Case:
-    """The case of a name or path, on the supports of ``--supports``, for a netCDF file to write; see `check_output`."""
+    """The case of a name or path, on the supports of ``--supports``, for a netCDF file to write; see `check_output`.
+
+    What was taken for basic data that it leaves out is told on stderr.
+    """
     from ...cases import read_case, with_supports
 
     checked = read_case(case, allow_outside=outside_allowed())
+    for line in basic_data_lines(checked):
+        click.echo(line, err=True)
     oil = None if checked.friction is None else checked.friction.oil_file
     check_output(output, case, supports, oil, *sources, suffix=".nc")
     return checked if supports is None else with_supports(checked, supports)

@@ -77,8 +77,9 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     if incomplete is not None:
         return incomplete
     assert failure is not None
-    tried = "; ".join(str(value) for each in alternatives for value in each.defaults if value.source == SEARCHED)
-    raise GeometryError(f"{failure}" + (f"; no better is {tried}" if tried else "")) from failure
+    searched = [value for each in alternatives for value in each.defaults if value.source == SEARCHED]
+    tried = ", ".join(str(value).partition(" (")[0] for value in searched)
+    raise GeometryError(f"{failure}" + (f"; tried in vain: {tried}" if tried else "")) from failure
 
 
 #: Values that are tried in turn where a design as completed has no pinion or no whole teeth, by what is left out.

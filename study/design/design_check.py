@@ -109,7 +109,7 @@ def proportion_warnings(blank: BlankDimensions, cutter_radius: float) -> Iterato
         yield (
             f"cutter_radius = {cutter_radius:g} mm is {ratio:.2f} times the gear's mean cone distance of "
             f"{gear.mean_cone_distance:.0f} mm: 0.7 to 1.2 are usual"
-            + (", and the radius is meant, not the diameter" if ratio > 1.0 else "")
+            + (", the radius is meant, not the diameter?" if ratio > 1.0 else "")
         )
 
 
@@ -498,8 +498,7 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
     searched = basic_data.method == 1 and "limit_pressure_angle_influence" in {each.name for each in design.defaults}
     if warnings and (basic_data.limit_pressure_angle_influence or not searched):
         warnings += limit_pressure_angle_advice(basic_data, designed.blank)
-    if warnings:
-        warnings += formate_advice(design)
+    warnings += formate_advice(design) if warnings else []
     difference, text = spiral_angle_difference(design.blank_design, designed.blank)
     warnings += [text] if abs(difference) > TOLD_SPIRAL_DIFFERENCE else []
     warnings += [*small_target_advice(design), *offset_advice(design, basic_data)]

@@ -131,9 +131,6 @@ class BlankDesign:
         if mistakes := list(unsuited_data(vars(self))):
             raise InputError("\n".join(mistakes))
 
-    def _given(self, names: tuple[str, ...]) -> list[str]:
-        return _given(vars(self), names)
-
     def _check_types(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
@@ -151,13 +148,13 @@ class BlankDesign:
     def _check_ranges(self) -> None:
         sizes = ("gear_face_width", "cutter_radius", "gear_outer_pitch_diameter", "gear_mean_pitch_diameter")
         of_tooth = ("basic_addendum_factor", "basic_dedendum_factor", "depth_factor", "gear_mean_slot_width")
-        for name in self._given((*sizes, *of_tooth)):
+        for name in _given(vars(self), (*sizes, *of_tooth)):
             positive(name, getattr(self, name))
-        for name in self._given((*BACKLASHES, "clearance_factor")):
+        for name in _given(vars(self), (*BACKLASHES, "clearance_factor")):
             positive(name, getattr(self, name), zero=True)
         for name in ("mean_spiral_angle", "nominal_drive_pressure_angle", "nominal_coast_pressure_angle"):
             number(name, getattr(self, name), "rad", least=0.0, below=math.pi / 2)
-        for name in self._given(("gear_addendum_angle", "gear_dedendum_angle")):
+        for name in _given(vars(self), ("gear_addendum_angle", "gear_dedendum_angle")):
             number(name, getattr(self, name), "rad", above=-math.pi / 4, below=math.pi / 4)
         number("shaft_angle", self.shaft_angle, "rad", above=0.0, below=math.pi)
         number("limit_pressure_angle_influence", self.limit_pressure_angle_influence, least=0.0, most=1.0)
