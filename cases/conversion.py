@@ -55,23 +55,9 @@ def section(blank: Blank) -> BlankSection:
 
 def blank_design(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDesign:
     """Basic data of a pair in rad, with teeth of pinion and gear, offset and shaft angle of other tables."""
-    from ..geometry.design.blank import BlankDesign
-
-    if teeth[0] > teeth[1]:
-        raise InputError(
-            f"pinion.number_of_teeth = {teeth[0]}: must be at most gear.number_of_teeth = {teeth[1]}; the pinion has "
-            "the fewer teeth"
-        )
     whole = table.completed(teeth, pair.shaft_angle, pair.hypoid_offset)
-    values = {key: value for key, value in in_radians(whole).items() if not key.endswith("_mean_spiral_angle")}
     with errors_about("[blank_design]"):
-        return BlankDesign(
-            number_of_teeth=teeth,
-            mean_spiral_angle=math.radians(whole.mean_spiral_angle),
-            shaft_angle=math.radians(pair.shaft_angle),
-            hypoid_offset=pair.hypoid_offset,
-            **values,
-        )
+        return whole.basic_data(teeth, pair.shaft_angle, pair.hypoid_offset)
 
 
 def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairTable) -> BlankDimensions:
@@ -89,9 +75,35 @@ def designed_blanks(table: BlankDesignTable, teeth: tuple[int, int], pair: PairT
 
     instance("table", table, BlankDesignTable)
     instance("pair", pair, PairTable)
-    design = blank_design(table, two_whole("teeth", teeth, 1), pair)
+    table = table.completed(two_whole("teeth", teeth, 1), pair.shaft_angle, pair.hypoid_offset)
+    design = blank_design(table, teeth, pair)
     with errors_about("[blank_design]"):
-        return blank_dimensions(design)
+        blank = blank_dimensions(design)
+        difference, text = spiral_angle_difference(table, blank)
+        if abs(difference) > LARGEST_SPIRAL_DIFFERENCE:
+            raise InputError(f"{text}; change or leave out one of them")
+    return blank
+
+
+#: [deg] between the spiral angles that a drawing gives of pinion and gear: a larger one is refused, one is told.
+LARGEST_SPIRAL_DIFFERENCE, TOLD_SPIRAL_DIFFERENCE = 8.0, 0.1
+
+
+def spiral_angle_difference(table: BlankDesignTable, blank: BlankDimensions) -> tuple[float, str]:
+    """Spiral angle that basic data give of the member whose angle the method does not take, less that of its blank.
+
+    The difference [deg], zero if only one is given, and a text that tells both.
+    """
+    name, other = table.spiral_angles
+    given = getattr(table, other)
+    if given is None:
+        return 0.0, ""
+    found = math.degrees(getattr(blank, other.partition("_")[0]).mean_spiral_angle)
+    taken = f"method {table.method} gives {found:.1f} degrees with {name} = {getattr(table, name):g}"
+    return (
+        given - found,
+        f"{other} = {given:g}: {taken}, {abs(given - found):.1f} degrees {'less' if given > found else 'more'}",
+    )
 
 
 def sections(case: Case) -> tuple[BlankSection, BlankSection]:

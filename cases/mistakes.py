@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import Any
 
@@ -36,21 +36,27 @@ TYPE_MESSAGES = {
 }
 
 
-def refusal(origin: str, model: type[BaseModel], error: ValidationError) -> InputError:
+def refusal(origin: str, model: type[BaseModel], error: ValidationError, further: Sequence[str] = ()) -> InputError:
     """The error of a file or table called ``origin`` with mistakes: how many, and the first of them."""
-    total = len(_items(error))
-    return InputError(f"{origin} has {'a mistake' if total == 1 else f'{total} mistakes'}:\n{mistakes(model, error)}")
+    total = sum(map(_count, _items(error))) + len(further)
+    told = mistakes(model, error, further)
+    return InputError(f"{origin} has {'a mistake' if total == 1 else f'{total} mistakes'}:\n{told}")
 
 
-def mistakes(model: type[BaseModel], error: ValidationError) -> str:
-    """The first mistakes in a table, one a line: key, value, what is allowed; and how many more there are."""
+def mistakes(model: type[BaseModel], error: ValidationError, further: Sequence[str] = ()) -> str:
+    """The first mistakes in a table, one a line: key, value, what is allowed; and how many more there are.
+
+    ``further`` ones come last.
+    """
     items = _items(error)
+    total = sum(map(_count, items)) + len(further)
     shown: list[str] = []
-    for line in _lines(model, items[:LINE_COUNT_LIMIT]):
+    lines = [*_lines(model, items[:LINE_COUNT_LIMIT]), *(f"  {model.__name__.lower()}: {text}" for text in further)]
+    for line in lines[:LINE_COUNT_LIMIT]:
         if shown and sum(map(len, shown)) + len(line) > MESSAGE_LENGTH_LIMIT:
             break
         shown.append(line)
-    left = len(items) - len(shown)
+    left = total - len(shown)
     return "\n".join([*shown, *([f"  and {left} more"] if left > 0 else [])])
 
 
@@ -63,12 +69,17 @@ def _items(error: ValidationError) -> list[Any]:
     ]
 
 
+def _count(item: Any) -> int:
+    """Number of mistakes of one that pydantic reports: a check of a whole table tells several, a line each."""
+    return str(item["ctx"]["error"]).count("\n") + 1 if item["type"] == "value_error" else 1
+
+
 def _lines(model: type[BaseModel], items: list[Any]) -> list[str]:
     lines = []
     tables: set[tuple[Any, ...]] = set()  # tables whose keys were listed
     for item in items:
         key = shortened(printable(".".join(str(part) for part in item["loc"]))) or model.__name__.lower()
-        lines.append(f"  {key}{_value(item)}: {_allowed(model, item, tables)}")
+        lines += [f"  {key}{_value(item)}: {text}" for text in _allowed(model, item, tables).split("\n")]
     return lines
 
 

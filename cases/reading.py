@@ -6,6 +6,7 @@ A case with supports from elsewhere.
 from __future__ import annotations
 
 import os
+import re
 import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -19,6 +20,7 @@ from ..core.errors import InputError, errors_about, printable, suggestion
 from ..core.regular_file import TOML_SIZE_LIMIT, named, read_text, require_regular, status_of
 from ..core.toml_text import toml_tables
 from .mistakes import refusal
+from .schema.blank_design_table import BlankDesignTable
 from .schema.case_schema import Case, refuse_inches
 from .schema.design_schema import Design
 from .schema.supports_table import SupportFile, SupportsTable
@@ -131,10 +133,33 @@ class FileKind(Generic[Model]):
         try:
             model = self.model.model_validate(data, context={"folder": folder, "allow_outside": allow_outside})
         except ValidationError as error:
-            raise refusal(origin, self.model, error) from error
+            raise refusal(origin, self.model, error, _unsuited_basic_data(data, error)) from error
         with errors_about(f"{origin}:"):
             _require_possible(model)
         return model
+
+
+def _unsuited_basic_data(data: Mapping[str, Any], error: ValidationError) -> list[str]:
+    """What basic data lack, which pydantic does not come to while keys of the file have mistakes of their own.
+
+    None where it could be by one of these mistakes.
+    """
+    wrong = {item["loc"][:2] for item in error.errors(include_input=False, include_url=False)}
+    basic, pair = (data[name] if isinstance(data.get(name), Mapping) else {} for name in ("blank_design", "pair"))
+    certain = {(), ("blank_design",), ("pair",), ("blank_design", "method"), ("blank_design", "process")}
+    if not basic or not wrong.isdisjoint(certain):
+        return []
+    counted = wrong.isdisjoint([(name, *key) for name in ("pinion", "gear") for key in ((), ("number_of_teeth",))])
+    teeth = [data[name]["number_of_teeth"] if counted else 36 for name in ("pinion", "gear")]
+    unsure = {str(place[1]) for place in wrong if place[0] == "blank_design"}
+    known = BlankDesignTable.model_fields
+    sound = {key: value for key, value in basic.items() if key not in unsure and key in known}
+    table = BlankDesignTable.model_validate({"cutter_radius": 1e3, **sound})
+    table = table.model_copy(update=dict.fromkeys(unsure.intersection(basic, known), 1))
+    offset = 1.0 if ("pair", "hypoid_offset") in wrong else pair.get("hypoid_offset", 0.0)
+    shaft = 90.0 if ("pair", "shaft_angle") in wrong else pair.get("shaft_angle", 90.0)
+    texts = table.mistakes((teeth[0], teeth[1]), shaft, offset)
+    return [text for text in texts if not unsure.intersection(re.findall(r"\w+", text))]
 
 
 def _of_this_version(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[str]]:

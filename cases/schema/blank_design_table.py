@@ -7,7 +7,8 @@ from typing import Any, Literal, Self
 
 from pydantic import PrivateAttr, model_validator
 
-from ...core.errors import InputError
+from ...core.errors import GeometryError, InputError
+from ...geometry.design.iso23509.blank_dimensions import BlankDesign, unsuited_data
 from ...geometry.design.iso23509.usual_proportions import DefaultValue, usual_proportions
 from .schema_table import Table, in_radians, key, number, optional
 
@@ -26,9 +27,11 @@ class BlankDesignTable(Table):
     process: Literal["face_milled", "face_hobbed"] | None = key(
         "face_hobbed in methods 2 and 3, and if left out where number_of_blade_groups is given", default=None
     )
-    pinion_mean_spiral_angle: float | None = optional("method 1", "deg", ge=0, lt=90)
+    pinion_mean_spiral_angle: float | None = optional(
+        "taken by method 1; from the gear's if left out", "deg", ge=0, lt=90
+    )
     gear_mean_spiral_angle: float | None = optional(
-        "methods 0, 2 and 3; without an offset the pinion's, too", "deg", ge=0, lt=90
+        "taken by methods 0, 2 and 3; from the pinion's if left out", "deg", ge=0, lt=90
     )
     gear_face_width: float | None = optional(
         "along the pitch cone; at most 0.3 of the outer cone distance and 10 modules if left out", "mm", gt=0.5, lt=1000
@@ -100,24 +103,63 @@ class BlankDesignTable(Table):
         return copy
 
     def completed(self, teeth: tuple[int, int], shaft_angle: float, hypoid_offset: float) -> Self:
-        """The table with values for what is left out; an `InputError` names what a drawing must give.
+        """The table with values for what is left out; an `InputError` names all that is missing or does not suit.
 
         Shaft angle [deg], offset [mm]; teeth of pinion and gear.
         """
-        taken = usual_proportions(in_radians(self), teeth, math.radians(shaft_angle), hypoid_offset)
-        whole = self.with_defaults(taken)
-        wanted, other = "gear_mean_spiral_angle", "pinion_mean_spiral_angle"
-        if whole.method == 1:
-            wanted, other = other, wanted
-        mistakes = []
-        if getattr(whole, other) is not None:
-            mistakes.append(f"{other} = {getattr(whole, other)}: method {whole.method} takes {wanted} instead")
-        needed = [wanted, "gear_mean_pitch_diameter" if whole.method == 2 else "gear_outer_pitch_diameter"]
-        missing = [name for name in needed if getattr(whole, name) is None]
-        mistakes += [f"{name} is missing: method {whole.method} needs it" for name in missing]
-        if mistakes:
-            raise InputError("[blank_design] " + "; ".join(mistakes))
-        return whole
+        if mistakes := self.mistakes(teeth, shaft_angle, hypoid_offset):
+            raise InputError("\n".join(mistakes))
+        whole = self._with_proportions(teeth, shaft_angle, hypoid_offset)
+        name, other = whole.spiral_angles
+        if getattr(whole, name) is not None:
+            return whole
+        angle, source = getattr(whole, other), "no offset: that of the other member"
+        if hypoid_offset != 0.0:
+            from ...geometry.design.iso23509.pitch_cones import mate_spiral_angle
+
+            source = f"with it method {whole.method} gives {other} = {angle:g}"
+            trial = whole.model_copy(update={name: angle}).basic_data(teeth, shaft_angle, hypoid_offset)
+            try:
+                angle = math.degrees(mate_spiral_angle(trial, math.radians(angle)))
+            except GeometryError as error:
+                raise InputError(f"[blank_design] {other} = {angle:g}: {error}") from error
+        return whole.with_defaults((DefaultValue(name, angle, source),))
+
+    def _with_proportions(self, teeth: tuple[int, int], shaft_angle: float, hypoid_offset: float) -> Self:
+        return self.with_defaults(usual_proportions(in_radians(self), teeth, math.radians(shaft_angle), hypoid_offset))
+
+    def mistakes(self, teeth: tuple[int, int], shaft_angle: float, hypoid_offset: float) -> list[str]:
+        """All that is missing or does not suit other values, once what may be left out has its default."""
+        whole = self._with_proportions(teeth, shaft_angle, hypoid_offset)
+        data = {**dict(whole), "number_of_teeth": (0, 0), "hypoid_offset": hypoid_offset}
+        texts = list(unsuited_data(data))
+        name, other = whole.spiral_angles
+        if getattr(whole, name) is None and getattr(whole, other) is None:
+            texts.insert(0, f"{name} is missing: method {whole.method} needs it, or {other}")
+        texts = [f"[blank_design] {text}" for text in texts]
+        if teeth[0] > teeth[1]:
+            texts.append(
+                f"pinion.number_of_teeth = {teeth[0]}: must be at most gear.number_of_teeth = {teeth[1]}; the pinion "
+                "has the fewer teeth"
+            )
+        return texts
+
+    def basic_data(self, teeth: tuple[int, int], shaft_angle: float, hypoid_offset: float) -> BlankDesign:
+        """Basic data in rad, of a completed table; shaft angle [deg], offset [mm]."""
+        values = {key: value for key, value in in_radians(self).items() if not key.endswith("_mean_spiral_angle")}
+        return BlankDesign(
+            number_of_teeth=teeth,
+            mean_spiral_angle=math.radians(self.mean_spiral_angle),
+            shaft_angle=math.radians(shaft_angle),
+            hypoid_offset=hypoid_offset,
+            **values,
+        )
+
+    @property
+    def spiral_angles(self) -> tuple[str, str]:
+        """Key of the spiral angle that the method takes, and that of the other member."""
+        names = ("gear_mean_spiral_angle", "pinion_mean_spiral_angle")
+        return names[::-1] if self.method == 1 else names
 
     def tooth_size(self, teeth: tuple[int, int]) -> tuple[float, float]:
         """Outer transverse module and face width of the gear [mm], of completed basic data."""
@@ -129,6 +171,6 @@ class BlankDesignTable(Table):
     @property
     def mean_spiral_angle(self) -> float:
         """Mean spiral angle that the method takes [deg]."""
-        angle = self.pinion_mean_spiral_angle if self.method == 1 else self.gear_mean_spiral_angle
+        angle = getattr(self, self.spiral_angles[0])
         assert angle is not None  # the validator sees to it
-        return angle
+        return float(angle)

@@ -35,7 +35,8 @@ class DesignedGear(Table):
 
     number_of_teeth: int = number("number of teeth", "1", ge=3, le=500)
     generation: Literal["formate", "generated"] = key(
-        "whether the gear is rolled while it is cut, or only indexed; if left out it is generated below a ratio of 2.5",
+        "whether the gear is rolled while it is cut, or only indexed; if left out it is generated below a ratio of "
+        "2.5, at other shaft angles than 90 degrees below the pitch angle of that",
         default="formate",
     )
     basic_settings: Literal["mean_point", "root_line"] = key(
@@ -211,17 +212,25 @@ class Design(InputFile):
             copy._defaults = (*(old for old in copy._defaults if old.name != each.name), each)
         return copy
 
+    @property
+    def usual_generation(self) -> Literal["formate", "generated"]:
+        """Cutting of the gear by the pitch angle that it has without an offset."""
+        shaft, pinion, gear = (
+            math.radians(self.pair.shaft_angle),
+            self.pinion.number_of_teeth,
+            self.gear.number_of_teeth,
+        )
+        flat = math.sin(shaft) * gear > FORMATE_RATIO * (pinion + gear * math.cos(shaft))
+        return "formate" if flat else "generated"
+
     def _check(self) -> None:
         teeth = self.pinion.number_of_teeth, self.gear.number_of_teeth
         basic = self.blank_design.completed(teeth, self.pair.shaft_angle, self.pair.hypoid_offset)
         taken: list[DefaultValue] = []
         changed: dict[str, Any] = {"blank_design": basic}
         if "generation" not in self.gear.model_fields_set:
-            shaft = math.radians(self.pair.shaft_angle)
-            flat = math.sin(shaft) * teeth[1] > FORMATE_RATIO * (teeth[0] + teeth[1] * math.cos(shaft))
-            kind = "formate" if flat else "generated"
-            taken.append(DefaultValue("gear.generation", kind, "pitch angle of the gear"))
-            changed["gear"] = self.gear.model_copy(update={"generation": kind})
+            taken.append(DefaultValue("gear.generation", self.usual_generation, "pitch angle of the gear"))
+            changed["gear"] = self.gear.model_copy(update={"generation": self.usual_generation})
         module, width = basic.tooth_size(teeth)
         crowning = {
             "lengthwise_crowning": round(LENGTHWISE_CROWNING * width, 1),

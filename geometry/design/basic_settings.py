@@ -189,7 +189,10 @@ class _GearCut:
         def flanks(values: Array) -> Flanks:
             horizontal, vertical, width, inside_angle, outside_angle = (float(v) for v in values)
             if width <= 0.0:
-                raise GeometryError(f"the gear's slot leaves a point width of {width:.3f} mm: no cutter fits")
+                raise GeometryError(
+                    f"the gear's slot leaves a point width of {width:.3f} mm: no cutter fits; a larger "
+                    "thickness_factor or gear_mean_slot_width, or a smaller depth_factor or clearance_factor helps"
+                )
             settings = self._machine(horizontal, vertical)
             inside = Blade(cutter_radius - width / 2.0, inside_angle, "inside")
             outside = Blade(cutter_radius + width / 2.0, outside_angle, "outside")
@@ -283,8 +286,8 @@ def _corrected(error: Callable[[Array], Array], start: Array) -> Array:
     except GeometryError as lost:
         raise GeometryError(
             "no settings of the gear were found that give the blank's spiral angle and pressure angles: the search ran "
-            "to settings that cut no tooth of it; change cutter_radius, the spiral angle, hypoid_offset or the "
-            "pressure angles"
+            f"to settings that cut no tooth of it ({lost}); change cutter_radius, the spiral angle, hypoid_offset or "
+            "the pressure angles"
         ) from lost
     if not np.max(np.abs(error(solution.x))) < ANGLE_TOLERANCE:
         raise GeometryError(

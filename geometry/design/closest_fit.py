@@ -7,7 +7,8 @@ or grinds in standard steps are taken before the machine settings are fitted, so
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import TypeVar
@@ -142,18 +143,40 @@ def best_fit(
         return enough and is_good(fit, target, clearance if follow_root else math.inf)
 
     (pair, fold_margin), fit = first_good(_attempts(starts, target, free, follow_root), cost, good)
-    # The blade at standard steps, and the other settings fitted once more.
+
+    def again(fit: Synthesis, blade: Mapping[str, float]) -> Synthesis:
+        """The fit once more, from where it ended, with settings of the blade held."""
+        near = replace(pair, pinion=replace(pair.pinion, loaded=with_settings(fit.surface, blade)))
+        names = [name for name in fit.moved if name not in blade]
+        if fold_margin > 0.0:
+            held = _from_crown_gear(near, target, names, follow_root)
+        else:
+            held = fit_pinion(near, target, free=names, follow_root=follow_root)
+        return started_from(pair.pinion.loaded, held, fit.moved)
+
+    # Blade angles far from those of the start undercut teeth, and the valley to them is flat.
+    began, found = get_setting(pair.pinion.loaded, "pressure_angle"), get_setting(fit.surface, "pressure_angle")
+    limit, close = (clearance if follow_root else math.inf), SURE_SHARE * residual_limits(target)[0]
+    for reach in (NEAR_ANGLE, math.inf) if steps.blade_angle and "pressure_angle" in fit.moved else ():
+        angle = min(max(found, BLADE_ANGLES[0], began - reach), BLADE_ANGLES[1], max(began + reach, BLADE_ANGLES[0]))
+        if angle == found:
+            break
+        with suppress(GeometryError):
+            usual = again(fit, {"pressure_angle": angle})
+            if is_good(usual, target, limit) and (math.isinf(reach) or usual.largest_residual <= close):
+                fit = usual
+                break
+    # The blade at standard steps, and the other settings fitted once more; as computed where that fails.
     milled = fit.surface.settings.indexing_ratio == 0.0
     blade = {name: v for name, v in steps.blade(fit.surface, with_radius=milled).items() if name in fit.moved}
-    if not blade:
-        return fit
-    near = replace(pair, pinion=replace(pair.pinion, loaded=with_settings(fit.surface, blade)))
-    names = [name for name in fit.moved if name not in blade]
-    if fold_margin > 0.0:
-        again = _from_crown_gear(near, target, names, follow_root)
-    else:
-        again = fit_pinion(near, target, free=names, follow_root=follow_root)
-    return started_from(pair.pinion.loaded, again, fit.moved)
+    with suppress(GeometryError):
+        fit = again(fit, blade) if blade else fit
+    return fit
+
+
+BLADE_ANGLES = (math.radians(8.0), math.radians(32.0))  # customary
+NEAR_ANGLE = math.radians(5.0)  # of a blade to that of the start
+SURE_SHARE = 0.75  # of the residual of a good fit, up to which a blade near that of the start is taken
 
 
 Start = TypeVar("Start")

@@ -84,10 +84,12 @@ def _margin(design: BlankDesign, generated_gear: bool) -> float:
 
 
 def undercut_margin(blank: BlankDimensions) -> float:
-    """Height at the toe between the pinion's dedendum, without clearance, and that of the involute's start [mm]."""
-    pinion = blank.pinion
-    distance = pinion.mean_cone_distance - pinion.inner_face_width
+    """Least height at the toe between a member's dedendum, without clearance, and that of the involute's start [mm]."""
     pressure = min(blank.generated_drive_pressure_angle, blank.generated_coast_pressure_angle)
-    radius = distance * math.tan(pinion.pitch_angle) / math.cos(pinion.inner_spiral_angle) ** 2
-    dedendum = pinion.mean_dedendum - blank.clearance - pinion.inner_face_width * math.tan(pinion.dedendum_angle)
-    return radius * math.sin(pressure) ** 2 - dedendum
+    margins = []
+    for member in (blank.pinion, blank.gear):
+        distance = member.mean_cone_distance - member.inner_face_width
+        radius = distance * math.tan(member.pitch_angle) / math.cos(member.inner_spiral_angle) ** 2
+        dedendum = member.mean_dedendum - blank.clearance - member.inner_face_width * math.tan(member.dedendum_angle)
+        margins.append(radius * math.sin(pressure) ** 2 - dedendum)
+    return min(margins)

@@ -41,6 +41,7 @@ class PairDesign:
     gear_thickness: float | None  # normal circular, mid-flank [mm]; None where the cutter fixes it
     #: [mm] left by a completing face-milling cutter, else with the blank's backlash
     pinion_thickness: float | None = None
+    whole: frozenset[MemberName] = frozenset()  # members whose teeth passed the check of their edge radii
 
     def pair(self, side: FlankName = "drive") -> GearPair:
         """The pair seen from one side."""
@@ -141,8 +142,7 @@ def _closest(
         try:
             pinion[side] = best_fit([each[side] for each in starts], targets[side], free, follow_root, clearance, steps)
         except GeometryError as error:
-            reason = "" if free is None else f": {error}"
-            raise GeometryError(f"{side}: no pinion was found that meets the gear{reason}; {BLANK_ADVICE}") from error
+            raise GeometryError(f"{side}: no pinion was found that meets the gear: {error}; {BLANK_ADVICE}") from error
     return pinion
 
 
@@ -150,11 +150,12 @@ def _with_fitting_edges(designed: PairDesign, name: MemberName, check: ToothChec
     """The design with the usual edge radius of one member made so small that blades and fillets fit the slot."""
     pair, flank = designed.pair(), designed.gear[0] if name == "gear" else designed.pinion["drive"].surface
     usual = allowed_edge_radius(pair, name, flank.blade.edge_radius)
-    radius = fitting_edge_radius(pair, name, usual, check, steps)
+    radius, passed = fitting_edge_radius([pair, designed.pair("coast")], name, usual, check, steps)
+    whole = designed.whole.union([name] if passed else [])
     if name == "gear":
-        return replace(designed, gear=(designed.gear[0].rounded(radius), designed.gear[1].rounded(radius)))
+        return replace(designed, gear=(designed.gear[0].rounded(radius), designed.gear[1].rounded(radius)), whole=whole)
     pinion = {side: replace(fit, surface=fit.surface.rounded(radius)) for side, fit in designed.pinion.items()}
-    return replace(designed, pinion=pinion)
+    return replace(designed, pinion=pinion, whole=whole)
 
 
 def _pinion_thickness(blank: BlankDimensions, pair: GearPair, *, by_cutter: bool) -> float:

@@ -10,7 +10,7 @@ gives none, the cutter's blades get that of the basic rack, as far as it fits.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -20,6 +20,7 @@ import numpy as np
 from ...core.arrays import Array, record
 from ...core.errors import GeometryError
 from ..pair.gear_pair import MEMBERS, GearPair
+from ..pair.tooth_thickness import unmet_tips
 from ..tooth.tooth_flanks import MemberName
 from ..tooth.tooth_surface import tooth_surface
 from .closest_fit import StandardSteps
@@ -421,6 +422,7 @@ ToothCheck = Callable[[GearPair, MemberName], None]
 
 BASIC_RACK_RADIUS = 0.25  # over the mean normal module
 SMALLEST_SHARE = 0.05  # of an edge radius over the module: a tooth is never without a fillet
+UNMET_LIMIT = 0.02  # share of a tip; a corner at the toe does no harm
 REDUCTIONS = (1.0, 0.8, 0.6, 0.45, 0.3, 0.2)  # of the usual radius, until the tooth has its fillets
 WHOLE_TOOTH_NODES, WHOLE_FILLET_NODES = (9, 7), 25
 
@@ -453,15 +455,23 @@ def require_whole_tooth(pair: GearPair, member: MemberName) -> None:
 
 
 def fitting_edge_radius(
-    pair: GearPair, member: MemberName, usual: float, require: ToothCheck, steps: StandardSteps
-) -> float:
-    """Usual edge radius, made smaller until the tooth passes ``require`` [mm]; the usual one if none does."""
+    pairs: Sequence[GearPair], member: MemberName, usual: float, require: ToothCheck, steps: StandardSteps
+) -> tuple[float, bool]:
+    """Usual edge radius, made smaller until the tooth passes ``require`` and the mate's tips meet its flanks [mm].
+
+    ``pairs`` are those of drive and coast side. Else the largest that passes ``require``, the usual one if none does;
+    and if one did.
+    """
+    whole: float | None = None
     for share in REDUCTIONS:
         radius = steps.edge(share * usual)
+        rounded = [_rounded(pair, member, radius) for pair in pairs]
         with suppress(GeometryError):
-            require(_rounded(pair, member, radius), member)
-            return round(radius, 4)
-    return usual
+            require(rounded[0], member)
+            whole = radius if whole is None else whole
+            if all(unmet_tips(pair)[MEMBERS[::-1].index(member)] <= UNMET_LIMIT for pair in rounded):
+                return round(radius, 4), True
+    return (usual, False) if whole is None else (round(whole, 4), True)
 
 
 def _rounded(pair: GearPair, name: str, radius: float) -> GearPair:

@@ -194,11 +194,9 @@ def fit_pinion(
     solution = least_squares(
         fit,
         np.where(curved & (fit.origin == 0.0), 0.1, 0.0),
-        # From the conjugate pinion the valley is flat: the shipped cases' settings are those that differences end at.
-        fit.jacobian if fold_margin > 0.0 else "2-point",
+        fit.jacobian,
         method="trf",
         x_scale=1.0,
-        diff_step=fit.difference,
         xtol=1e-12,
         ftol=COMMON_FLANK_TOLERANCE if fold_margin > 0.0 else 1e-12,
         gtol=1e-12,

@@ -31,13 +31,32 @@ def outside_allowed() -> bool:
 
 
 def opened_case(case: str, output: Path | None, *sources: object, supports: str | None = None) -> Case:
-    """The case of a name or path, on the supports of ``--supports``, for a netCDF file to write; see `check_output`."""
+    """The case of a name or path, on the supports of ``--supports``, for a netCDF file to write; see `check_output`.
+
+    What was taken for basic data that it leaves out is told on stderr.
+    """
     from ...cases import read_case, with_supports
 
     checked = read_case(case, allow_outside=outside_allowed())
+    for line in basic_data_lines(checked):
+        click.echo(line, err=True)
     oil = None if checked.friction is None else checked.friction.oil_file
     check_output(output, case, supports, oil, *sources, suffix=".nc")
     return checked if supports is None else with_supports(checked, supports)
+
+
+def basic_data_lines(case: Case) -> list[str]:
+    """Values taken for what the basic data of a case leave out, and spiral angles that differ, a line each."""
+    if case.blank_design is None:
+        return []
+    from ...cases import designed_blanks
+    from ...cases.conversion import TOLD_SPIRAL_DIFFERENCE, spiral_angle_difference
+
+    blank = designed_blanks(case.blank_design, (case.pinion.number_of_teeth, case.gear.number_of_teeth), case.pair)
+    difference, text = spiral_angle_difference(case.blank_design, blank)
+    taken = [f"  {each}" for each in case.blank_design.defaults]
+    head = ["Taken for what [blank_design] leaves out:"] if taken else []
+    return [*head, *taken, *([f"Warning: {text}"] if abs(difference) > TOLD_SPIRAL_DIFFERENCE else [])]
 
 
 def check_output(output: Path | None, *sources: object, suffix: str | None = None, force: bool | None = None) -> None:

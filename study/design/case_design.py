@@ -64,7 +64,8 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     instance("design", design, Design)
     failure: GeometryError | None = None
     incomplete: tuple[Case, DesignReport] | None = None
-    for attempt in (design, *_alternatives(design)):
+    alternatives = list(_alternatives(design))
+    for attempt in (design, *alternatives):
         try:
             case, report = _designed(attempt)
         except GeometryError as error:
@@ -76,7 +77,9 @@ def design_case(design: Design) -> tuple[Case, DesignReport]:
     if incomplete is not None:
         return incomplete
     assert failure is not None
-    raise failure
+    searched = [value for each in alternatives for value in each.defaults if value.source == SEARCHED]
+    tried = ", ".join(str(value).partition(" (")[0] for value in searched)
+    raise GeometryError(f"{failure}" + (f"; tried in vain: {tried}" if tried else "")) from failure
 
 
 #: Values that are tried in turn where a design as completed has no pinion or no whole teeth, by what is left out.

@@ -15,9 +15,16 @@ from functools import partial
 
 import numpy as np
 
-from ...cases.conversion import blank_design, ease_off_target, gear_pair, setting_limits
+from ...cases.conversion import (
+    TOLD_SPIRAL_DIFFERENCE,
+    blank_design,
+    ease_off_target,
+    gear_pair,
+    setting_limits,
+    spiral_angle_difference,
+)
 from ...cases.schema.case_schema import Case
-from ...cases.schema.design_schema import Design
+from ...cases.schema.design_schema import FORMATE_RATIO, Design
 from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
 from ...contact.evaluation.flank_region import flank_share
 from ...core.arrays import Array, Bools, record
@@ -25,7 +32,7 @@ from ...core.errors import EaseoffError, GeometryError, InputError
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.design import slot_width
 from ...geometry.design.blank import BlankDesign, BlankDimensions, blank_dimensions
-from ...geometry.design.closest_fit import require_usable, residual_limits
+from ...geometry.design.closest_fit import BLADE_ANGLES, require_usable, residual_limits
 from ...geometry.design.iso23509.usual_proportions import DefaultValue
 from ...geometry.design.pair_design import BOTH_MEMBERS, SIDES, PairDesign
 from ...geometry.design.pinion_method import ADVICE, at_limit
@@ -40,12 +47,10 @@ from ...geometry.tooth.tooth_flanks import MemberName
 from ...geometry.tooth.tooth_surface import LandWidths, contact_heights, land_widths, tooth_side
 from .rounded_settings import without_rotation
 
-FORMATE_PITCH_ANGLE = 60.0  # [deg]; customary for ratios of two and a half and more
 CUTTER_RADIUS_RATIO = 1.5  # over the gear's mean cone distance; pairs in use lie between 0.7 and 1.2
 SMALL_CUTTER_RATIO = 0.55
-FACE_WIDTH_SHARE = 0.34  # of the outer cone distance; 0.3 is the most by ISO 23509, annex B, of the pitch cones there
+FACE_WIDTH_SHARE = 0.315  # of the outer cone distance; 0.3 is the most by ISO 23509, annex B, without an offset
 SPIRAL_ANGLES = {"pinion": 60.0, "gear": 45.0}  # largest customary [deg]
-BLADE_ANGLES = (8.0, 32.0)  # customary [deg]
 LEAST_PRESSURE_ANGLE = 10.0  # generated [deg]; next to it a slot has parallel walls
 LEAST_CROWNING = 1.0  # [um]; a smaller one looks like mm
 
@@ -77,29 +82,13 @@ def limit_pressure_angle_advice(basic_data: BlankDesign, blank: BlankDimensions 
     ]
 
 
-def formate_advice(design: Design, blank: BlankDimensions | None) -> list[str]:
+def formate_advice(design: Design) -> list[str]:
     """Advice, in one line or none, on a Formate gear with so small a pitch angle that generation serves it better."""
-    if design.gear.generation == "generated" or blank is None:
-        return []
-    angle = math.degrees(blank.gear.pitch_angle)
-    if angle >= FORMATE_PITCH_ANGLE:
+    if design.gear.generation == "generated" or design.usual_generation == "formate":
         return []
     return [
-        f"the gear's pitch angle of {angle:.0f} degrees is small for a gear cut without generation: generation = "
-        '"generated" in [gear] helps'
-    ]
-
-
-def cutter_radius_advice(basic_data: BlankDesign, blank: BlankDimensions | None) -> list[str]:
-    """Advice, in one line or none, on a cutter so large that its diameter seems to be given."""
-    if blank is None:
-        return []
-    distance = blank.gear.outer_cone_distance - 0.5 * blank.gear.face_width
-    if basic_data.cutter_radius < CUTTER_RADIUS_RATIO * distance:
-        return []
-    return [
-        f"cutter_radius = {basic_data.cutter_radius:g} mm is {basic_data.cutter_radius / distance:.1f} times the "
-        f"gear's mean cone distance of {distance:.0f} mm, 0.7 to 1.2 are usual: the radius is meant, not the diameter?"
+        "the gear's pitch angle is small for a gear cut without generation, less than a ratio of "
+        f'{FORMATE_RATIO:g} gives at 90 degrees: generation = "generated" in [gear] helps'
     ]
 
 
@@ -116,30 +105,37 @@ def proportion_warnings(blank: BlankDimensions, cutter_radius: float) -> Iterato
         if (angle := math.degrees(getattr(blank, name).mean_spiral_angle)) > largest:
             yield f"the {name}'s mean spiral angle of {angle:.1f} degrees is large: up to {largest:.0f} are usual"
     ratio = cutter_radius / gear.mean_cone_distance
-    if ratio < SMALL_CUTTER_RATIO:
+    if not SMALL_CUTTER_RATIO <= ratio < CUTTER_RADIUS_RATIO:
         yield (
             f"cutter_radius = {cutter_radius:g} mm is {ratio:.2f} times the gear's mean cone distance of "
             f"{gear.mean_cone_distance:.0f} mm: 0.7 to 1.2 are usual"
+            + (", the radius is meant, not the diameter?" if ratio > 1.0 else "")
         )
 
 
-def blade_warnings(designed: PairDesign) -> Iterator[str]:
+def blade_warnings(design: Design, designed: PairDesign) -> Iterator[str]:
     """Warnings of blade angles out of the customary range."""
-    least, largest = BLADE_ANGLES
-    for side, fit in designed.pinion.items():
-        angle = math.degrees(fit.surface.blade.pressure_angle)
-        if not least <= angle <= largest:
-            yield (
-                f"{side}: the pinion's blade has an angle of {angle:.1f} degrees: {least:.0f} to {largest:.0f} are "
-                "usual; [pinion.limits] of another method than closest_fit bound it"
-            )
+    least, largest = map(math.degrees, BLADE_ANGLES)
+    for k, side in enumerate(SIDES):
+        for name, surface in (("pinion", designed.pinion[side].surface), ("gear", designed.gear[k])):
+            angle = math.degrees(surface.blade.pressure_angle)
+            if least <= round(angle, 6) <= largest:
+                continue
+            change = f"a {'larger' if angle < least else 'smaller'} nominal_{side}_pressure_angle"
+            if name == "pinion":
+                bound = f"smallest_blade_pressure_angle = {least:g} or largest_blade_pressure_angle = {largest:g}"
+                other = ' with method = "tilt"' if design.pinion.method == "closest_fit" else ""
+                change = f"{bound} in [pinion.limits]{other}"
+            text = f"{side}: the {name}'s blade has an angle of {angle:.1f} degrees"
+            yield f"{text}: {least:.0f} to {largest:.0f} are usual; {change} helps"
 
 
 def failure_advice(design: Design, basic_data: BlankDesign) -> list[str]:
     """Advice, a line each, on what may keep a design from being made."""
     blank = blank_or_none(basic_data)
-    advice = [*formate_advice(design, blank), *limit_pressure_angle_advice(basic_data, blank)]
-    return [*advice, *cutter_radius_advice(basic_data, blank), *offset_advice(design, basic_data)]
+    advice = [*formate_advice(design), *limit_pressure_angle_advice(basic_data, blank)]
+    unusual = [] if blank is None else proportion_warnings(blank, basic_data.cutter_radius)
+    return [*advice, *unusual, *offset_advice(design, basic_data)]
 
 
 def small_target_advice(design: Design) -> list[str]:
@@ -215,20 +211,38 @@ class ToothSpaces:
 
     def warnings(self) -> Iterator[str]:
         """Warnings of teeth that cannot be cut as they are, a sentence each."""
+        module = self.slots.line.proportions.mean_normal_module
         for k, name in enumerate(MEMBERS):
             least, most = self.blade_point(k)
+            even = self._even_slot(k) if self.slots.width[k, 1] > NARROW_SLOT * module else TOOTH_ADVICE[""][k]
             if not most > 0.0:
-                yield f"the {name}'s slot has no width at its narrowest end ({most:.2f} mm): no blade enters it"
+                none = f"the {name}'s slot has no width at its narrowest end ({most:.2f} mm)"
+                yield f"{none}: no blade enters it; {even} helps"
             elif least > most:
                 yield (
                     f"the {name}'s slot narrows from {self.slots.greatest[k]:.2f} to {most:.2f} mm: a blade that fits "
-                    "the narrow end leaves a fin at the wide one; change depth_taper or cutter_radius"
+                    f"the narrow end leaves a fin at the wide one; {self._even_slot(k)} helps"
+                )
+            elif most < NARROW_SLOT * module:
+                yield (
+                    f"the {name}'s slot is {most:.2f} mm wide at its narrowest end, for a module of {module:.2f} mm: "
+                    f"blades of so narrow a point are weak; {even} helps"
                 )
             if (deepest := float(np.nanmin(self.fillet_clearance[k], initial=np.inf))) < -FILLET_MUTILATION:
-                yield (
-                    f"the {name}'s fillet reaches {-deepest:.2f} mm into the path of the mate's tip: a smaller "
-                    "tool_edge_radius or a larger clearance_factor helps"
+                # Higher than the edge of the blade leaves it, the fillet is one of an undercut flank.
+                high = -deepest > float(self.edge_radius[k])
+                advice = (
+                    TOOTH_ADVICE["undercut"][k] if high else "a smaller tool_edge_radius or a larger clearance_factor"
                 )
+                yield f"the {name}'s fillet reaches {-deepest:.2f} mm into the path of the mate's tip: {advice} helps"
+
+    def _even_slot(self, member: int) -> str:
+        """Change of basic data that makes the ends of a slot more equal (ISO 23509:2016, C.5)."""
+        toe, _, heel = self.slots.width[member]
+        if toe > heel:
+            return "a larger cutter_radius"
+        smaller, hobbed = "a smaller cutter_radius", self.slots.line.proportions.number_of_blade_groups
+        return smaller if hobbed else f'depth_taper = "constant_slot_width" or {smaller}'
 
 
 def tooth_spaces(drive: GearPair, coast: GearPair, proportions: ToothProportions) -> ToothSpaces:
@@ -272,8 +286,7 @@ def _texts(values: Array, *, sign: bool = False) -> str:
     return " / ".join(NO_VALUE if not np.isfinite(v) else f"{v:+.3f}" if sign else f"{v:.3f}" for v in values)
 
 
-TOP_LAND_LIMIT = 0.2  # over the module; a smaller top land is narrow
-UNMET_LIMIT = 0.02  # share of a tip; a corner at the toe does no harm
+TOP_LAND_LIMIT = NARROW_SLOT = 0.2  # over the module; a smaller top land or slot is narrow
 
 
 def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
@@ -323,7 +336,7 @@ def unusual_set_ups(case: Case) -> tuple[str, ...]:
 def missing_flanks(unmet: tuple[float, float]) -> Iterator[tuple[MemberName, str]]:
     """Members whose flank ends before the mate's tip has passed it, by ``unmet_tips``, each with a warning."""
     for name, mate, share in zip(reversed(BOTH_MEMBERS), BOTH_MEMBERS, unmet, strict=True):
-        if not share <= UNMET_LIMIT:
+        if not share <= slot_width.UNMET_LIMIT:
             where = f"the {mate}'s tip meets no flank on {100 * share:.0f} % of its length"
             yield name, f"{where}: there the {name}'s root is undercut, or its fillet reaches too high"
 
@@ -354,9 +367,11 @@ def narrow_top_lands(pair: GearPair, module: float) -> Iterator[str]:
                 yield f"the {name}'s tooth has a narrow top land at the {end}: {thickness:.2f} mm"
 
 
-def unfinished_teeth(pair: GearPair, model: str) -> Iterator[tuple[MemberName, str]]:
+def unfinished_teeth(
+    pair: GearPair, model: str, members: tuple[MemberName, ...] = BOTH_MEMBERS
+) -> Iterator[tuple[MemberName, str]]:
     """Members without the whole tooth that a model of the elastic teeth needs, each with the reason."""
-    for name in BOTH_MEMBERS:
+    for name in members:
         try:
             if model == "shell":
                 slot_width.require_whole_tooth(pair, name)
@@ -367,7 +382,8 @@ def unfinished_teeth(pair: GearPair, model: str) -> Iterator[tuple[MemberName, s
 
 
 def require_elastic_tooth(pair: GearPair, member: MemberName) -> None:
-    """Refuse a tooth that the default compliance cannot take, loaded on either flank."""
+    """Refuse a tooth that the default compliance cannot take, loaded on either flank; the quick check first."""
+    slot_width.require_whole_tooth(pair, member)
     other_side = replace(pair, pinion=pair.pinion.from_opposite, gear=pair.gear.from_opposite)
     for loaded in (pair, other_side):
         require_solid_shell(loaded, member)
@@ -454,16 +470,18 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         warnings += [f"{side}: {name} stands at its limit, see [pinion.limits]" for name in item.at_limit]
         for name, text in missing_flanks(unmet_tips(designed.pair(side))):
             less, more = ("smaller", "larger") if name == "pinion" else ("larger", "smaller")
+            edge = "" if getattr(design, name).tool_edge_radius is None else "a smaller tool_edge_radius, "
             warnings.append(
-                f"{side}: {text}; a {less} gear_mean_addendum_factor or {more} profile_shift_coefficient, a larger "
-                "pressure angle or more teeth help"
+                f"{side}: {text}; {edge}a {less} gear_mean_addendum_factor or {more} profile_shift_coefficient, a "
+                "larger pressure angle or more teeth help"
             )
         if not item.common_flank >= COMMON_FLANK_LIMIT:
             warnings.append(f"{side}: pinion and gear meet on {100 * item.common_flank:.0f} % of the gear flank alone")
         followed = design.pinion.follow_root
         advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
         warnings += [f"{side}: {text}" for text in off_the_root("pinion", item.root_gap, clearance, f"; {advice}")]
-    messages = unfinished_teeth(designed.pair(), design.compliance.model)
+    left = tuple(name for name in BOTH_MEMBERS if name not in designed.whole)
+    messages = unfinished_teeth(designed.pair(), design.compliance.model, left)
     unfinished = [text + _advice(design, designed, name, text) for name, text in messages]
     analysable = not unfinished or design.compliance.model == "shell"
     spaces = _spaces(design, designed)
@@ -472,12 +490,17 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         *unfinished,
         *(spaces.warnings() if spaces is not None else []),
     ]
-    warnings += [*proportion_warnings(designed.blank, design.blank_design.cutter_radius), *blade_warnings(designed)]
+    warnings += proportion_warnings(designed.blank, design.blank_design.cutter_radius)
+    warnings += blade_warnings(design, designed)
     teeth = design.pinion.number_of_teeth, design.gear.number_of_teeth
     basic_data = blank_design(design.blank_design, teeth, design.pair)
-    if warnings:
+    # A share of zero that replaced the default of method 1 was found to help.
+    searched = basic_data.method == 1 and "limit_pressure_angle_influence" in {each.name for each in design.defaults}
+    if warnings and (basic_data.limit_pressure_angle_influence or not searched):
         warnings += limit_pressure_angle_advice(basic_data, designed.blank)
-        warnings += [*cutter_radius_advice(basic_data, designed.blank), *formate_advice(design, designed.blank)]
+    warnings += formate_advice(design) if warnings else []
+    difference, text = spiral_angle_difference(design.blank_design, designed.blank)
+    warnings += [text] if abs(difference) > TOLD_SPIRAL_DIFFERENCE else []
     warnings += [*small_target_advice(design), *offset_advice(design, basic_data)]
     return DesignReport(designed.blank, sides, tuple(warnings), analysable, spaces, design.defaults)
 
@@ -502,8 +525,8 @@ TOOTH_ADVICE: Mapping[str, tuple[str, str]] = {
         "a larger gear_mean_addendum_factor, larger pressure angles or more teeth",
     ),
     "": (
-        "a smaller depth_factor, clearance_factor or thickness_factor",
-        "a smaller depth_factor or clearance_factor, or a larger thickness_factor",
+        "a smaller depth_factor, clearance_factor, thickness_factor or gear_mean_slot_width",
+        "a smaller depth_factor or clearance_factor, or a larger thickness_factor or gear_mean_slot_width",
     ),
 }
 

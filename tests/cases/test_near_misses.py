@@ -21,6 +21,7 @@ from easeoff.cases.conversion import blank_design
 from easeoff.cases.reading import DESIGN
 from easeoff.cases.schema.case_schema import refuse_inches
 from easeoff.core.toml_text import toml_tables
+from easeoff.geometry.design.blank import blank_dimensions
 from easeoff.geometry.flanks.flank import NodeStatus
 from easeoff.geometry.pair.assembly import Assembly
 from easeoff.study import analyze_load_cases, vh_check
@@ -29,9 +30,9 @@ from easeoff.study.cli import main
 from easeoff.study.cli.option_values import torques
 from easeoff.study.design.design_check import (
     blank_or_none,
-    cutter_radius_advice,
     limit_pressure_angle_advice,
     offset_advice,
+    proportion_warnings,
     small_target_advice,
 )
 from easeoff.study.summary.sweep_report import vh_table
@@ -246,9 +247,9 @@ def test_a_crowning_in_mm_is_told_by_its_key() -> None:
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45", "axle-10x41", "aero-12x36"])
 def test_the_diameter_of_a_cutter_is_told_and_no_radius_of_a_shipped_design(name: str) -> None:
     data = basic_data(read_design(name))
-    assert cutter_radius_advice(data, blank_or_none(data)) == []
+    assert list(proportion_warnings(blank_dimensions(data), data.cutter_radius)) == []
     large = replace(data, cutter_radius=2.0 * data.cutter_radius)
-    (told,) = cutter_radius_advice(large, blank_or_none(large))
+    *_, told = proportion_warnings(blank_dimensions(large), large.cutter_radius)
     assert told.startswith(f"cutter_radius = {2.0 * data.cutter_radius:g} mm")
     assert "not the diameter?" in told
 

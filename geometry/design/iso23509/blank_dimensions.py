@@ -7,6 +7,7 @@ Basic data are those of tables 2 and 3; dimensions of one member follow from its
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
 from typing import Annotated, Any, Literal, get_args
 
@@ -126,11 +127,8 @@ class BlankDesign:
         self._check_types()
         self._check_choices()
         self._check_ranges()
-        self._check_method()
-        self._check_tooth()
-
-    def _given(self, names: tuple[str, ...]) -> list[str]:
-        return [name for name in names if getattr(self, name) is not None]
+        if mistakes := list(unsuited_data(vars(self))):
+            raise InputError("\n".join(mistakes))
 
     def _check_types(self) -> None:
         for field in fields(self):
@@ -144,63 +142,68 @@ class BlankDesign:
         one_of("process", self.process, get_args(Process))
         if self.depth_taper is not None:
             one_of("depth_taper", self.depth_taper, get_args(DepthTaper))
-        pinion_teeth, gear_teeth = two_whole("number_of_teeth", self.number_of_teeth, 1)
-        if pinion_teeth > gear_teeth:
-            raise InputError(f"number_of_teeth = {self.number_of_teeth}: must be pinion first, pinion <= gear")
-        if self.process == "face_milled" and self.number_of_blade_groups is not None:
-            raise InputError("number_of_blade_groups: belongs to a face-hobbed pair, leave it out for face_milled")
-        if self.process == "face_hobbed":
-            groups = self.number_of_blade_groups
-            if groups is None or int(groups) != groups or groups < 1:
-                raise InputError(f"number_of_blade_groups = {groups!r}: face_hobbed needs a whole number, 1 or more")
+        two_whole("number_of_teeth", self.number_of_teeth, 1)
 
     def _check_ranges(self) -> None:
         sizes = ("gear_face_width", "cutter_radius", "gear_outer_pitch_diameter", "gear_mean_pitch_diameter")
         of_tooth = ("basic_addendum_factor", "basic_dedendum_factor", "depth_factor", "gear_mean_slot_width")
-        for name in self._given((*sizes, *of_tooth)):
+        for name in _given(vars(self), (*sizes, *of_tooth)):
             positive(name, getattr(self, name))
-        for name in self._given((*BACKLASHES, "clearance_factor")):
+        for name in _given(vars(self), (*BACKLASHES, "clearance_factor")):
             positive(name, getattr(self, name), zero=True)
         for name in ("mean_spiral_angle", "nominal_drive_pressure_angle", "nominal_coast_pressure_angle"):
             number(name, getattr(self, name), "rad", least=0.0, below=math.pi / 2)
-        for name in self._given(("gear_addendum_angle", "gear_dedendum_angle")):
+        for name in _given(vars(self), ("gear_addendum_angle", "gear_dedendum_angle")):
             number(name, getattr(self, name), "rad", above=-math.pi / 4, below=math.pi / 4)
         number("shaft_angle", self.shaft_angle, "rad", above=0.0, below=math.pi)
         number("limit_pressure_angle_influence", self.limit_pressure_angle_influence, least=0.0, most=1.0)
 
-    def _check_method(self) -> None:
-        if self.method == 0 and self.hypoid_offset != 0.0:
-            raise InputError(f"hypoid_offset = {self.hypoid_offset}: method 0 has none; take method 1, 2 or 3")
-        if self.method == 1 and self.hypoid_offset == 0.0:
-            raise InputError("hypoid_offset = 0: method 1 needs an offset; take method 0 for a spiral bevel pair")
-        if self.method in (2, 3) and self.process != "face_hobbed":
-            raise InputError(f"process = {self.process!r}: method {self.method} describes face_hobbed gears")
-        needed, other = "gear_outer_pitch_diameter", "gear_mean_pitch_diameter"
-        if self.method == 2:
-            needed, other = other, needed
-        if getattr(self, needed) is None:
-            raise InputError(f"{needed}: method {self.method} needs it")
-        if getattr(self, other) is not None:
-            raise InputError(f"{other}: method {self.method} takes {needed} instead, leave it out")
 
-    def _check_tooth(self) -> None:
-        type_1, type_2 = self._given(DATA_TYPE_1), self._given(DATA_TYPE_2 + THICKNESS_2)
-        if type_1 and type_2:
-            raise InputError(f"{type_2[0]}: belongs to data type II, {type_1[0]} to data type I; give one type only")
-        if not type_1 and not type_2:
-            raise InputError(f"{DATA_TYPE_2[0]}: missing; give data type II, or data type I with {DATA_TYPE_1[0]}")
+def _given(values: Mapping[str, Any], names: tuple[str, ...]) -> list[str]:
+    return [name for name in names if values[name] is not None]
+
+
+def unsuited_data(values: Mapping[str, Any]) -> Iterator[str]:
+    """Mistakes of basic data, by the names of `BlankDesign`, that lack a value or do not suit one another."""
+    method, process, groups = values["method"], values["process"], values["number_of_blade_groups"]
+    pinion_teeth, gear_teeth = values["number_of_teeth"]
+    if pinion_teeth > gear_teeth:
+        yield f"number_of_teeth = {values['number_of_teeth']}: must be pinion first, pinion <= gear"
+    if process == "face_milled" and groups is not None:
+        yield "number_of_blade_groups: belongs to a face-hobbed pair, leave it out for face_milled"
+    if process == "face_hobbed" and (groups is None or int(groups) != groups or groups < 1):
+        yield f"number_of_blade_groups = {groups!r}: face_hobbed needs a whole number, 1 or more"
+    if method == 0 and values["hypoid_offset"] != 0.0:
+        yield f"hypoid_offset = {values['hypoid_offset']}: method 0 has none; take method 1, 2 or 3"
+    if method == 1 and values["hypoid_offset"] == 0.0:
+        yield "hypoid_offset = 0: method 1 needs an offset; take method 0 for a spiral bevel pair"
+    if method in (2, 3) and process != "face_hobbed":
+        yield f"process = {process!r}: method {method} describes face_hobbed gears"
+    needed, other = "gear_outer_pitch_diameter", "gear_mean_pitch_diameter"
+    if method == 2:
+        needed, other = other, needed
+    if values[needed] is None:
+        yield f"{needed} is missing: method {method} needs it"
+    if values[other] is not None:
+        yield f"{other}: method {method} takes {needed} instead, leave it out"
+    type_1, type_2 = _given(values, DATA_TYPE_1), _given(values, DATA_TYPE_2 + THICKNESS_2)
+    if type_1 and type_2:
+        yield f"{type_2[0]}: belongs to data type II, {type_1[0]} to data type I; give one type only"
+    elif not type_1 and not type_2:
+        yield f"{DATA_TYPE_2[0]}: missing; give data type II, or data type I with {DATA_TYPE_1[0]}"
+    else:
         for name in DATA_TYPE_1 if type_1 else DATA_TYPE_2:
-            if getattr(self, name) is None:
-                raise InputError(f"{name}: missing from data type {'I' if type_1 else 'II'}")
-        if type_2 and len(self._given(THICKNESS_2)) != 1:
-            raise InputError(f"{' or '.join(THICKNESS_2)}: data type II needs exactly one of them")
-        if len(self._given(BACKLASHES)) > 1:
-            raise InputError(f"{self._given(BACKLASHES)[1]}: give at most one of {', '.join(BACKLASHES)}")
-        angles = self._given(("gear_addendum_angle", "gear_dedendum_angle"))
-        if (self.depth_taper is None) != (len(angles) == 2) or (self.depth_taper is not None and angles):
-            raise InputError("depth_taper: give either it or both gear_addendum_angle and gear_dedendum_angle")
-        if self.process == "face_hobbed" and self.depth_taper not in (None, "uniform"):
-            raise InputError(f"depth_taper = {self.depth_taper!r}: face_hobbed teeth have uniform depth")
+            if values[name] is None:
+                yield f"{name}: missing from data type {'I' if type_1 else 'II'}"
+        if type_2 and len(_given(values, THICKNESS_2)) != 1:
+            yield f"{' or '.join(THICKNESS_2)}: data type II needs exactly one of them"
+    if len(backlashes := _given(values, BACKLASHES)) > 1:
+        yield f"{backlashes[1]}: give at most one of {', '.join(BACKLASHES)}"
+    taper, angles = values["depth_taper"], _given(values, ("gear_addendum_angle", "gear_dedendum_angle"))
+    if (taper is None) != (len(angles) == 2) or (taper is not None and angles):
+        yield "depth_taper: give either it or both gear_addendum_angle and gear_dedendum_angle"
+    if process == "face_hobbed" and taper not in (None, "uniform"):
+        yield f"depth_taper = {taper!r}: face_hobbed teeth have uniform depth"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -400,8 +403,9 @@ def member_blank(
     thickness = module * (math.pi / 2.0 + 2.0 * (frame.thickness_modification_coefficient + shift))
     if not thickness > 0.0:
         raise GeometryError(
-            f"member with {frame.number_of_teeth} teeth: mean normal thickness {thickness:g} mm; change the thickness "
-            "or profile shift coefficients"
+            f"member with {frame.number_of_teeth} teeth: mean normal thickness {thickness:g} mm; for the pinion a "
+            "larger, for the gear a smaller thickness_factor, thickness_modification_coefficient or "
+            "gear_mean_slot_width helps"
         )
     normal_diameter = mean_diameter / (cosine * (1.0 - (math.sin(spiral) * math.cos(normal_pressure_angle)) ** 2))
     half_angle = thickness / normal_diameter

@@ -21,7 +21,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 from ....core.checks import check_fields
@@ -177,6 +177,8 @@ def crown_gear(
 
 #: Step of the search for pitch cones, and how far it goes [rad].
 SEARCH_STEP, FARTHEST_ANGLE = 0.004, 0.8
+#: Search for the spiral angle of one member from that of the other [rad].
+MOST_TRIALS, LARGEST_SPIRAL_ANGLE, SPIRAL_TOLERANCE = 60, math.radians(85.0), 1e-10
 #: Relative mismatch up to which a change of sign is a root, and no pole; with small offsets it is rounding.
 ROOT_MISMATCH = 1e-6
 
@@ -190,6 +192,26 @@ def pitch_cones(design: BlankDesign) -> PitchCones:
             f"{math.floor(10.0 * math.degrees(math.acos(-1.0 / _ratio(design)))) / 10.0:g} deg"
         )
     return (_bevel, _gleason, _oerlikon, _klingelnberg)[design.method](design)
+
+
+def mate_spiral_angle(design: BlankDesign, wanted: float) -> float:
+    """Mean spiral angle for the method of a design with which the mate of its member has a wanted one [rad].
+
+    Raises GeometryError if no pitch cones have it.
+    """
+    first = 1.0 if design.method == 1 else -1.0
+    diameter = design.gear_outer_pitch_diameter or design.gear_mean_pitch_diameter or math.inf
+    angle = wanted + first * math.asin(max(-0.9, min(0.9, 2.4 * design.hypoid_offset / diameter)))
+    for _ in range(MOST_TRIALS):
+        cones = pitch_cones(replace(design, mean_spiral_angle=min(max(angle, 0.0), LARGEST_SPIRAL_ANGLE)))
+        miss = (cones.gear_mean_spiral_angle if design.method == 1 else cones.pinion_mean_spiral_angle) - wanted
+        angle -= miss  # the offset angle between both hardly changes
+        if abs(miss) < SPIRAL_TOLERANCE:
+            return angle
+    raise GeometryError(
+        f"method {design.method}: no pitch cones have {'a gear' if design.method == 1 else 'a pinion'} with a mean "
+        f"spiral angle of {math.degrees(wanted):g} degrees; give that of the other member"
+    )
 
 
 def _ratio(design: BlankDesign) -> float:

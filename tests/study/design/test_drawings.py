@@ -12,9 +12,11 @@ from runs import output_of, refusal_of, text_file
 
 from easeoff import InputError, analyze
 from easeoff.cases import Design, designed_blanks, parse_design, read_case
+from easeoff.cases.conversion import spiral_angle_difference
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.case_schema import PairTable
 from easeoff.study import design_case
+from easeoff.study.cli.case_run import basic_data_lines
 from easeoff.study.design.case_design import SEARCHED
 from easeoff.study.design.design_check import proportion_warnings
 
@@ -47,7 +49,7 @@ def test_a_drawing_is_designed_as_it_is_and_every_value_taken_is_told(tmp_path: 
     design = parse_design(text)
     said = output_of("design", text_file(tmp_path / "axle.toml", text), "-o", tmp_path / "case.toml")
     lines = [line.strip() for line in said.splitlines()]
-    assert all("blade has an angle of" in line for line in lines if "Warning" in line)
+    assert not [line for line in lines if "Warning" in line]
     assert [line for line in lines if line in set(map(str, design.defaults))] == list(map(str, design.defaults))
     assert "depth_factor = 2 (ISO 23509:2016, C.3.2.1)" in lines
     assert "target.coast.profile_crowning = 37.6 (rule of this package)" in lines
@@ -75,10 +77,99 @@ def test_a_design_in_inches_is_refused_at_once(tmp_path: Path) -> None:
 
 def test_all_that_a_drawing_must_give_is_named_at_once() -> None:
     text = AXLE.replace("gear_outer_pitch_diameter = 232.0\n", "").replace("pinion_mean_spiral_angle = 48.0\n", "")
-    with pytest.raises(InputError, match=r"pinion_mean_spiral_angle is missing.*gear_outer_pitch_diameter is missing"):
+    with pytest.raises(InputError) as caught:
         parse_design(text)
+    head, *lines = str(caught.value).splitlines()
+    assert head == "design has 2 mistakes:"
+    assert [line.partition("] ")[2].split(":")[0] for line in lines] == [
+        "pinion_mean_spiral_angle is missing",
+        "gear_outer_pitch_diameter is missing",
+    ]
     with pytest.raises(InputError, match=r"^\[blank_design\] gear_mean_spiral_angle is missing"):
         designed_blanks(BlankDesignTable(cutter_radius=95.25), (12, 37), PairTable())
+
+
+@pytest.mark.parametrize(
+    ("given", "wanted"),
+    [
+        (
+            {"cutter_radius": "95.25", "gear_face_widht": "37.0"},
+            ["gear_face_widht", "diameter is", "pinion_mean_spiral_angle is"],
+        ),
+        ({"depth_factor": "9.0"}, ["cutter_radius", "depth_factor = 9", "diameter is", "pinion_mean_spiral_angle is"]),
+        ({"gear_outer_pitch_diameter": '"232"'}, ["cutter_radius", "'232'", "pinion_mean_spiral_angle is"]),
+        (
+            {"number_of_blade_groups": '"seven"', "gear_outer_pitch_diameter": "232.0", "depth_taper": '"standard"'},
+            ["cutter_radius", "'seven'", "gear_mean_spiral_angle is", "face_hobbed teeth have uniform depth"],
+        ),
+        (
+            {"cutter_radius": "95.25", "depth_factor": "2.0", "profile_shift_coefficient": "0.1"},
+            ["diameter is", "pinion_mean_spiral_angle is", "give one type only"],
+        ),
+        ({"method": "7"}, ["cutter_radius", "method = 7"]),
+    ],
+)
+def test_wrong_keys_and_missing_data_are_told_in_one_round(given: dict[str, str], wanted: list[str]) -> None:
+    """Each once; nothing is said of what depends on a key that is wrong itself."""
+    table = "".join(f"{key} = {value}\n" for key, value in given.items())
+    head, rest = AXLE.split("gear_outer_pitch_diameter")
+    with pytest.raises(InputError) as caught:
+        parse_design(head + table + "[pinion]" + rest.split("[pinion]")[1])
+    first, *lines = str(caught.value).splitlines()
+    assert first == f"design has {len(wanted)} mistakes:"
+    assert len(lines) == len(wanted)
+    for words in wanted:
+        assert sum(words in line for line in lines) == 1, words
+
+
+SPIRALS = "pinion_mean_spiral_angle = 48.0\n"
+
+
+@pytest.mark.parametrize("gear", [22.0, 28.0, 34.0])
+def test_the_spiral_angle_of_the_gear_suffices_for_a_milled_hypoid_pair(gear: float) -> None:
+    """The pinion's is found with which method 1 gives the gear's, and told."""
+    design = parse_design(AXLE.replace(SPIRALS, f"gear_mean_spiral_angle = {gear}\n"))
+    blank = designed_blanks(design.blank_design, (12, 37), design.pair)
+    assert np.degrees(blank.gear.mean_spiral_angle) == pytest.approx(gear, abs=1e-8)
+    (told,) = [str(each) for each in design.defaults if "spiral" in each.name]
+    assert f"method 1 gives gear_mean_spiral_angle = {gear:g}" in told
+    assert np.degrees(blank.pinion.mean_spiral_angle) == pytest.approx(
+        design.blank_design.pinion_mean_spiral_angle, abs=0.05
+    )
+
+
+def test_the_spiral_angle_of_the_pinion_suffices_for_the_other_methods() -> None:
+    hobbed = AXLE.replace("95.25", "88.0\nnumber_of_blade_groups = 13\nmethod = 3")
+    blank = designed_blanks(parse_design(hobbed).blank_design, (12, 37), PairTable(hypoid_offset=36.0))
+    assert np.degrees(blank.pinion.mean_spiral_angle) == pytest.approx(48.0, abs=1e-8)
+    bevel = parse_design(AXLE.replace("hypoid_offset = 36.0\n", "").replace("48.0", "35.0"))
+    assert bevel.blank_design.gear_mean_spiral_angle == 35.0
+    with pytest.raises(InputError, match=r"pinion_mean_spiral_angle = 3: method 3: no pitch cones have a pinion"):
+        parse_design(hobbed.replace("48.0", "3.0"))
+
+
+def test_both_spiral_angles_are_compared() -> None:
+    """With what method 1 gives, 28.5 degrees here: told where they differ, refused where they cannot be one pair's."""
+    near, far = (AXLE.replace(SPIRALS, f"{SPIRALS}gear_mean_spiral_angle = {gear}\n") for gear in (28.0, 20.0))
+    with pytest.raises(InputError, match=r"gear_mean_spiral_angle = 20: method 1 gives 28.5 .*angle = 48, 8.5 .* more"):
+        parse_design(far)
+    table = parse_design(near).blank_design
+    difference, text = spiral_angle_difference(table, designed_blanks(table, (12, 37), PairTable(hypoid_offset=36.0)))
+    assert difference == pytest.approx(-0.547, abs=2e-3)
+    assert text.startswith(
+        "gear_mean_spiral_angle = 28: method 1 gives 28.5 degrees with pinion_mean_spiral_angle = 48"
+    )
+
+
+def test_a_run_tells_what_the_basic_data_of_a_case_leave_out() -> None:
+    basic = parse_design(AXLE.replace(SPIRALS, f"{SPIRALS}gear_mean_spiral_angle = 28.0\n"))
+    case = read_case("fm-11x41").model_copy(update={"blank_design": basic.blank_design, "pair": basic.pair})
+    case = case.with_tables(pinion={"number_of_teeth": 12}, gear={"number_of_teeth": 37})
+    head, *lines, warning = basic_data_lines(case)
+    assert head == "Taken for what [blank_design] leaves out:"
+    assert lines == [f"  {each}" for each in basic.blank_design.defaults]
+    assert "gear_mean_spiral_angle = 28" in warning
+    assert basic_data_lines(read_case("fm-11x41")) == []
 
 
 def test_proportions_out_of_the_customary_range_are_warned_of() -> None:
