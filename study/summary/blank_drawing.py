@@ -12,8 +12,6 @@ import xarray as xr
 from ...cases.conversion import given_pair
 from ...cases.schema.case_schema import Case
 from ...cases.writing import with_blanks
-from ...contact.backlash import backlash
-from ...contact.mesh_cycle import MeshCycle
 from ...core.arrays import Array
 from ...core.errors import EaseoffError
 from ...geometry.design.tolerances import accuracy_tolerances, usual_backlash
@@ -142,6 +140,9 @@ SHIMS = {
 
 def case_backlash(case: Case) -> xr.Dataset:
     """Backlash of a case over a mesh cycle; ``contact.backlash`` raises GeometryError where it is not known."""
+    from ...contact.backlash import backlash  # reports have no need of it
+    from ...contact.mesh_cycle import MeshCycle
+
     contact = case.contact
     geometry = pair_geometry(given_pair(case), (contact.lengthwise_nodes, contact.profile_nodes))
     cycle = MeshCycle.of(geometry, mesh_positions=contact.mesh_positions, segments_per_line=1)
