@@ -100,10 +100,8 @@ def spiral_angle_difference(table: BlankDesignTable, blank: BlankDimensions) -> 
         return 0.0, ""
     found = math.degrees(getattr(blank, other.partition("_")[0]).mean_spiral_angle)
     taken = f"method {table.method} gives {found:.1f} degrees with {name} = {getattr(table, name):g}"
-    return (
-        given - found,
-        f"{other} = {given:g}: {taken}, {abs(given - found):.1f} degrees {'less' if given > found else 'more'}",
-    )
+    apart = f"{abs(given - found):.1f} degrees {'less' if given > found else 'more'}"
+    return given - found, f"{other} = {given:g}: {taken}, {apart}"
 
 
 def sections(case: Case) -> tuple[BlankSection, BlankSection]:

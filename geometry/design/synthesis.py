@@ -188,24 +188,36 @@ def fit_pinion(
     from scipy.optimize import least_squares
 
     names = words("free", free, 1) if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
-    fit = EaseOffResidual.of(pair, target, names, nodes, fold_margin, follow_root=follow_root, wanted_root=wanted_root)
-    # A straight blade has no radius: begin a little curved.
-    curved = np.array([name in CURVATURE_STEPS for name in names])
-    solution = least_squares(
-        fit,
-        np.where(curved & (fit.origin == 0.0), 0.1, 0.0),
-        fit.jacobian,
-        method="trf",
-        x_scale=1.0,
-        xtol=1e-12,
-        ftol=COMMON_FLANK_TOLERANCE if fold_margin > 0.0 else 1e-12,
-        gtol=1e-12,
-        max_nfev=60,
-    )
-    values, surface = fit.settings(solution.x), fit.surface(solution.x)
-    moved = {name: (float(start), values[name]) for name, start in zip(names, fit.origin, strict=True)}
-    left = fit.left(solution.x, f": free fewer settings than {', '.join(names)}, or start nearer to the target")
-    return Synthesis(surface, moved, left, tip_gap(surface, pair.pinion.section))
+
+    def fitted(*, exact: bool) -> Synthesis:
+        fit = EaseOffResidual.of(
+            pair, target, names, nodes, fold_margin, follow_root=follow_root, wanted_root=wanted_root
+        )
+        # A straight blade has no radius: begin a little curved.
+        curved = np.array([name in CURVATURE_STEPS for name in names])
+        solution = least_squares(
+            fit,
+            np.where(curved & (fit.origin == 0.0), 0.1, 0.0),
+            fit.jacobian if exact else "2-point",
+            method="trf",
+            x_scale=1.0,
+            diff_step=fit.difference,
+            xtol=1e-12,
+            ftol=COMMON_FLANK_TOLERANCE if fold_margin > 0.0 else 1e-12,
+            gtol=1e-12,
+            max_nfev=60,
+        )
+        values, surface = fit.settings(solution.x), fit.surface(solution.x)
+        moved = {name: (float(start), values[name]) for name, start in zip(names, fit.origin, strict=True)}
+        left = fit.left(solution.x, f": free fewer settings than {', '.join(names)}, or start nearer to the target")
+        return Synthesis(surface, moved, left, tip_gap(surface, pair.pinion.section))
+
+    try:
+        return fitted(exact=True)
+    except GeometryError:
+        if fold_margin > 0.0:
+            raise
+        return fitted(exact=False)  # by other steps, which may pass by settings that cut no flank
 
 
 Tie = Callable[[Mapping[str, float]], Mapping[str, float]]

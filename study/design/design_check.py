@@ -8,7 +8,7 @@ design a sentence each says what in its basic data to look at.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -126,8 +126,8 @@ def blade_warnings(design: Design, designed: PairDesign) -> Iterator[str]:
                 bound = f"smallest_blade_pressure_angle = {least:g} or largest_blade_pressure_angle = {largest:g}"
                 other = ' with method = "tilt"' if design.pinion.method == "closest_fit" else ""
                 change = f"{bound} in [pinion.limits]{other}"
-            text = f"{side}: the {name}'s blade has an angle of {angle:.1f} degrees"
-            yield f"{text}: {least:.0f} to {largest:.0f} are usual; {change} helps"
+            usual = f"{least:.0f} to {largest:.0f} are usual; {change} helps"
+            yield f"{side}: the {name}'s blade has an angle of {angle:.1f} degrees: {usual}"
 
 
 def failure_advice(design: Design, basic_data: BlankDesign) -> list[str]:
@@ -230,10 +230,8 @@ class ToothSpaces:
                 )
             if (deepest := float(np.nanmin(self.fillet_clearance[k], initial=np.inf))) < -FILLET_MUTILATION:
                 # Higher than the edge of the blade leaves it, the fillet is one of an undercut flank.
-                high = -deepest > float(self.edge_radius[k])
-                advice = (
-                    TOOTH_ADVICE["undercut"][k] if high else "a smaller tool_edge_radius or a larger clearance_factor"
-                )
+                advice = "a smaller tool_edge_radius or a larger clearance_factor"
+                advice = TOOTH_ADVICE["undercut"][k] if -deepest > float(self.edge_radius[k]) else advice
                 yield f"the {name}'s fillet reaches {-deepest:.2f} mm into the path of the mate's tip: {advice} helps"
 
     def _even_slot(self, member: int) -> str:
@@ -368,10 +366,10 @@ def narrow_top_lands(pair: GearPair, module: float) -> Iterator[str]:
 
 
 def unfinished_teeth(
-    pair: GearPair, model: str, members: tuple[MemberName, ...] = BOTH_MEMBERS
+    pair: GearPair, model: str, whole: Collection[MemberName] = ()
 ) -> Iterator[tuple[MemberName, str]]:
-    """Members without the whole tooth that a model of the elastic teeth needs, each with the reason."""
-    for name in members:
+    """Members, but those known to have one, without the whole tooth that a model of elastic teeth needs, and why."""
+    for name in (name for name in BOTH_MEMBERS if name not in whole):
         try:
             if model == "shell":
                 slot_width.require_whole_tooth(pair, name)
@@ -480,8 +478,7 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         followed = design.pinion.follow_root
         advice = "change the target or the blanks" if followed else "follow_root = true in [pinion] keeps them on it"
         warnings += [f"{side}: {text}" for text in off_the_root("pinion", item.root_gap, clearance, f"; {advice}")]
-    left = tuple(name for name in BOTH_MEMBERS if name not in designed.whole)
-    messages = unfinished_teeth(designed.pair(), design.compliance.model, left)
+    messages = unfinished_teeth(designed.pair(), design.compliance.model, designed.whole)
     unfinished = [text + _advice(design, designed, name, text) for name, text in messages]
     analysable = not unfinished or design.compliance.model == "shell"
     spaces = _spaces(design, designed)

@@ -10,14 +10,14 @@ import pytest
 from drawings import drawing
 from runs import output_of, refusal_of, text_file
 
-from easeoff import InputError, analyze
+from easeoff import GeometryError, InputError, analyze
 from easeoff.cases import Design, designed_blanks, parse_design, read_case
 from easeoff.cases.conversion import spiral_angle_difference
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.case_schema import PairTable
 from easeoff.study import design_case
 from easeoff.study.cli.case_run import basic_data_lines
-from easeoff.study.design.case_design import SEARCHED
+from easeoff.study.design import case_design
 from easeoff.study.design.design_check import proportion_warnings
 
 AXLE = """easeoff_design = 1
@@ -183,14 +183,24 @@ def test_proportions_out_of_the_customary_range_are_warned_of() -> None:
     assert list(proportion_warnings(designed_blanks(usual.blank_design, (12, 37), usual.pair), 95.25)) == []
 
 
-@pytest.mark.thorough
-def test_another_taper_is_searched_for_where_the_usual_one_has_no_tooth() -> None:
-    """And not where the file gives it."""
-    text = AXLE.replace("37.0\n", "4.3\n", 1).replace("232.0", "25.1").replace("36.0", "4.9").replace("48.0", "54.0")
-    text = text.replace("95.25", "13.97").replace("number_of_teeth = 12", "number_of_teeth = 7")
-    text = text.replace("number_of_teeth = 37", "number_of_teeth = 18").replace("[pair]", "[pair]\nshaft_angle = 78.0")
-    _, report = design_case(on_shells(parse_design(text)))
-    assert [each.name for each in report.defaults if each.source == SEARCHED] == ["depth_taper"]
+def test_another_taper_is_searched_for_where_the_usual_one_has_no_pinion(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And not where the file gives it; what was tried in vain is told with the reason of the first failure."""
+    tried: list[tuple[str, str]] = []
+
+    def designed(design: Design) -> None:
+        tried.append((str(design.blank_design.depth_taper), design.pinion.method))
+        raise GeometryError(f"no pinion with {tried[-1][0]}")
+
+    monkeypatch.setattr(case_design, "_designed", designed)
+    with pytest.raises(GeometryError) as caught:
+        design_case(parse_design(AXLE))
+    assert [taper for taper, _ in tried[:3]] == ["modified_slot_width", "standard", "uniform"]
+    assert tried[-1] == ("modified_slot_width", "tilt")
+    assert str(caught.value).startswith('no pinion with modified_slot_width; tried in vain: depth_taper = "standard", ')
+    tried.clear()
+    with pytest.raises(GeometryError):
+        design_case(parse_design(AXLE.replace("[pinion]", 'depth_taper = "uniform"\n[pinion]')))
+    assert {taper for taper, _ in tried} == {"uniform"}
 
 
 POINTED = """easeoff_design = 1
@@ -227,7 +237,7 @@ def test_the_changes_that_a_message_names_help_a_pointed_pinion() -> None:
 
     analysable, share = pointed(POINTED)
     assert not analysable
-    assert pointed(POINTED.replace("factor = 0.21", "factor = 0.33"))[1] < 0.3 * share
+    assert pointed(POINTED.replace("factor = 0.21", "factor = 0.33"))[1] < 0.5 * share
     assert pointed(POINTED.replace("depth_factor = 2.0", "depth_factor = 1.7")) == (True, 0)
     case, report = design_case(parse_design(POINTED + '[compliance]\nmodel = "shell"\n'))
     assert report.analysable
