@@ -37,14 +37,14 @@ under a uniform load neither matters.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import pi
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ...core.arrays import RealArray as Array
-from ...core.checks import one_of, positive
+from ...core.checks import bounded, check_fields
 from .material import Material
 
 # Order of the strains in every strain vector.
@@ -212,11 +212,10 @@ class ElasticFoundation:
     """
 
     source: FoundationSource = "weber"
-    factor: float = 1.0
+    factor: float = field(default=1.0, metadata=bounded(above=0.0))
 
     def __post_init__(self) -> None:
-        one_of("source", self.source, get_args(FoundationSource))
-        positive("factor", self.factor)
+        check_fields(self)
 
     def constants(self, poisson_ratio: float) -> FoundationConstants:
         """Dimensionless constants of the source, before ``factor``."""
