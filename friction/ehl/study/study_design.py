@@ -500,7 +500,7 @@ def run_study(
     dataset = study_dataset(design, {number: known.get(number, not_run) for number in conditions})
     dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
     dataset.attrs["model_version"] = MODEL_VERSION
-    write_netcdf(dataset, target, {str(name): {"zlib": True} for name in dataset.data_vars})
+    write_netcdf(dataset, target)
     return dataset
 
 
