@@ -111,7 +111,6 @@ class DisplacementTerm:
 class Kinematics:
     """A displacement assumption: its fields, strains, root conditions and mid-surface displacements."""
 
-    field_names: tuple[str, ...]
     clamped_powers: tuple[int, ...]  # exponents of the relative height, by field
     sprung_powers: tuple[int, ...]
     strain_terms: tuple[StrainTerm, ...]
@@ -157,7 +156,6 @@ def five_field(curvature: float, fanning: float) -> Kinematics:
         RootTerm(ROOT_TWIST, by, 0, 1.0),
     )
     return Kinematics(
-        field_names=("W", "beta_x", "beta_theta", "u0", "v0"),
         clamped_powers=(1, 1, 1, 1, 1),
         sprung_powers=(0, 0, 0, 0, 0),
         strain_terms=(*terms, *fan) if fanning else terms,
