@@ -205,7 +205,7 @@ def frozen_arrays(record: type[Record]) -> type[Record]:
     So are arrays in tuples, lists and mappings, those of its cached properties, and those of a copy or of a pickle.
     """
     for name in ("__init__", "__setstate__"):
-        method: Any = getattr(record, name, _restored)
+        method: Any = getattr(record, name, lambda self, state: self.__dict__.update(state))  # as Python does
         setattr(record, name, _freezing(method))
     for value in vars(record).values():
         if isinstance(value, functools.cached_property):
@@ -226,11 +226,6 @@ def _freezing(method: Callable[..., None]) -> Callable[..., None]:
                 object.__setattr__(self, name, kept)
 
     return freeze
-
-
-def _restored(record: Any, state: dict[str, Any]) -> None:
-    """Give a copy or what was pickled its state, as Python does."""
-    record.__dict__.update(state)
 
 
 def frozen(value: Any) -> Any:

@@ -49,7 +49,7 @@ def line_contact_sensitivity(
     line_contact
         The local part.
     solution
-        Of `solve_line_contact`.
+        Of `solve_on_bending`.
     tolerance
         As of `sensitivity`.
 
@@ -372,7 +372,7 @@ def line_contact_path(
     Parameters
     ----------
     bending
-        The contact problem with the compliance of bending alone, as `solve_line_contact` takes it.
+        The contact problem with the compliance of bending alone, as `solve_on_bending` takes it.
     line_contact
         The local part.
     start, end

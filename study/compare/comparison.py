@@ -101,7 +101,7 @@ def methods_of(solver: str, choice: Choice, *, warm: bool = False) -> Iterator[M
         yield Method(solver, attempting.RAW)
     if choice.defaults:
         yield Method(solver, attempting.DEFAULT)
-    if attempting.has_tolerance(solver):
+    if solver not in SOLVERS or SOLVERS[solver].tolerance_settings:  # else a sweep changes nothing
         yield from (Method(solver, attempting.SWEEP, COLD, tolerance) for tolerance in choice.tolerances)
 
 
