@@ -53,8 +53,8 @@ from .solvers.parametric.sensitivity import (
     ProblemGradient as ProblemGradient,
     Sensitivity as Sensitivity,
     SolutionChange as SolutionChange,
-    sensitivity as sensitivity,
 )
+from .solvers.parametric.solution_sensitivity import sensitivity as sensitivity
 from .solvers.parametric.torque_path import TorquePath as TorquePath, torque_path as torque_path
 from .supports.assembly_rounds import AssemblyRounds as AssemblyRounds
 from .supports.support import BearingReaction as BearingReaction, Supports as Supports

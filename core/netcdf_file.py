@@ -253,10 +253,11 @@ class _LaterWriter:
             target[...] = source
 
 
-def write_netcdf(content: xr.Dataset | xr.DataTree, path: str | os.PathLike[str], *, filled: bool = True) -> None:
+def write_netcdf(content: xr.Dataset | xr.DataTree, path: str | os.PathLike[str], *, packed: bool = False) -> None:
     """Write a dataset or a tree to a netCDF-4 file, replaced if it exists; missing folders are made.
 
-    If it fails nothing is left behind. Many numbers are compressed; with ``filled`` false no value stands for none.
+    If it fails nothing is left behind. Many numbers are compressed; with ``packed``, as in files that other programs
+    take over, all are, and no value stands for none.
     """
     from netCDF4 import Dataset
 
@@ -268,8 +269,8 @@ def write_netcdf(content: xr.Dataset | xr.DataTree, path: str | os.PathLike[str]
             group = file if name == "." else file.createGroup(name)
             store = xr.backends.NetCDF4DataStore(group, lock=False)  # type: ignore[no-untyped-call]
             numbers = {key: one for key, one in dataset.variables.items() if one.dtype.kind in "fiu"}
-            encodings: dict[Any, dict[str, Any]] = {key: {} if filled else {"_FillValue": None} for key in numbers}
-            for key in (key for key, one in numbers.items() if one.nbytes >= COMPRESSED_SIZE):
+            encodings: dict[Any, dict[str, Any]] = {key: {"_FillValue": None} if packed else {} for key in numbers}
+            for key in (key for key, one in numbers.items() if packed or one.nbytes >= COMPRESSED_SIZE):
                 encodings[key] |= {"zlib": True, "complevel": 1}
             dataset.dump_to_store(store, writer=later, encoding=encodings)
         later.write()

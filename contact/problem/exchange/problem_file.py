@@ -332,7 +332,7 @@ def write_problems(
     if taken := sorted(set(attributes) & set(dataset.attrs)):
         raise InputError(f"attribute = {taken[0]!r}: must be another name, the file has an attribute of this one")
     dataset.attrs.update(attributes)
-    write_netcdf(dataset, path, filled=False)
+    write_netcdf(dataset, path, packed=True)
 
 
 def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:
