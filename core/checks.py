@@ -205,7 +205,7 @@ def frozen_arrays(record: type[Record]) -> type[Record]:
     So are arrays in tuples, lists and mappings, those of its cached properties, and those of a copy or of a pickle.
     """
     for name in ("__init__", "__setstate__"):
-        method: Any = getattr(record, name, _restored)
+        method: Any = getattr(record, name, lambda self, state: self.__dict__.update(state))  # as Python does
         setattr(record, name, _freezing(method))
     for value in vars(record).values():
         if isinstance(value, functools.cached_property):
@@ -226,11 +226,6 @@ def _freezing(method: Callable[..., None]) -> Callable[..., None]:
                 object.__setattr__(self, name, kept)
 
     return freeze
-
-
-def _restored(record: Any, state: dict[str, Any]) -> None:
-    """Give a copy or what was pickled its state, as Python does."""
-    record.__dict__.update(state)
 
 
 def frozen(value: Any) -> Any:
@@ -282,40 +277,46 @@ def words(name: str, values: Any, fewest: int = 0) -> tuple[str, ...]:
 
 
 def check_fields(record: Any, of: str = "") -> None:
-    """Refuse a record whose values are of other kinds than its annotations, for ``__post_init__``.
+    """Refuse a record whose values are of other kinds than its annotations, or out of bounds, for ``__post_init__``.
 
-    A ``float`` is finite and becomes Python's own; an ``int`` is 0 or more. Arrays, tuples and dicts are not looked
-    into. ``of`` stands before the name in the message.
+    A ``float`` is finite and becomes Python's own; an ``int`` is 0 or more; both, if the field is ``bounded``, within
+    its bounds. Arrays, tuples and dicts are not looked into. ``of`` stands before the name in the message.
     """
     record_type: Any = type(record)
-    for name, kind, optional in _field_kinds(record_type):
+    for name, kind, optional, bounds in _field_kinds(record_type):
         value = getattr(record, name)
-        if (value is None and optional) or (type(value) is kind is float and math.isfinite(value)):
+        if (value is None and optional) or (not bounds and type(value) is kind is float and math.isfinite(value)):
             continue  # nearly all, in a tenth of the time
         if get_origin(kind) is Literal:
             if not isinstance(value, str | int) or value not in get_args(kind):
                 raise InputError(f"{name} = {shown(value)}: must be one of {', '.join(map(str, get_args(kind)))}")
-        elif kind is float:
-            python_float = number(f"{of}{name}", value)
-            if not isinstance(value, float):
-                object.__setattr__(record, name, python_float)
-        elif kind is int:
-            whole(name, value, 0)
+        elif kind is float or kind is int:
+            python_number = number(f"{of}{name}", value, **bounds) if kind is float else whole(name, value, **bounds)
+            if not isinstance(value, kind):
+                object.__setattr__(record, name, python_number)
         elif kind is bool:
             truth(name, value)
         elif isinstance(kind, type) and kind is not Any:
             instance(name, value, kind)
 
 
+def bounded(unit: str = "1", **limits: Any) -> dict[str, Any]:
+    """Metadata of a field that ``check_fields`` keeps within bounds: those of ``number``, or of ``whole``."""
+    return {"unit": unit, **limits}
+
+
 @functools.cache
-def _field_kinds(record: Hashable) -> tuple[tuple[str, Any, bool], ...]:
-    """Fields of a record with the type that their annotation allows, if it is one, and whether it allows None, too."""
+def _field_kinds(record: Hashable) -> tuple[tuple[str, Any, bool, dict[str, Any]], ...]:
+    """Fields of a record: the type that their annotation allows, if it is one, whether None, too, and their bounds."""
     field_kinds = []
     for name, hint in get_type_hints(record).items():
         kinds = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
         given = [kind for kind in kinds if kind is not type(None)]
-        if name in record.__dataclass_fields__:  # type: ignore[attr-defined]
-            field_kinds.append((name, given[0] if len(given) == 1 else Any, len(given) < len(kinds)))
+        if field := record.__dataclass_fields__.get(name):  # type: ignore[attr-defined]
+            kind, bounds = given[0] if len(given) == 1 else Any, dict(field.metadata)
+            if kind is int:
+                bounds = {"least": bounds.get("least", 0), "most": bounds.get("most")}
+            field_kinds.append((name, kind, len(given) < len(kinds), bounds))
     return tuple(field_kinds)
 
 

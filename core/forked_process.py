@@ -5,13 +5,11 @@ from __future__ import annotations
 import contextlib
 import faulthandler
 import os
-import pickle
-import selectors
 import signal
 import sys
-import time
 import warnings
 from collections.abc import Callable, Iterator
+from multiprocessing.connection import Connection, Pipe
 from typing import Any, TypeVar
 
 from .errors import EaseoffError, InputError
@@ -20,7 +18,6 @@ Result = TypeVar("Result")
 
 PROCESSOR_TIME_LIMIT = 100  # of the process [s]; the largest file that is read takes a third
 TIME_LIMIT = 1000.0  # by the clock [s], of a process that waits for what never comes
-PIECE_SIZE = 1 << 20  # of the result, read at a time [bytes]
 
 
 class ProcessEndedError(EaseoffError):
@@ -49,45 +46,35 @@ def in_forked_process(work: Callable[[], Result]) -> Result:
         return work()
     with netcdf_to_oneself(), warnings.catch_warnings():
         warnings.simplefilter("ignore", DeprecationWarning)  # other threads, of which the copy uses nothing
-        source, sink = os.pipe()  # here, so that no copy which another thread makes holds it open
+        source, sink = Pipe(duplex=False)  # here, so that no copy which another thread makes holds it open
         child = os.fork()
         if child:
-            os.close(sink)
+            sink.close()
     if child == 0:
-        os.close(source)
+        source.close()
         _work_and_exit(work, sink)
-    content = None
+    answer: tuple[bool, Any] | None = None
+    ended = False
     try:
-        content = _read_within(source, TIME_LIMIT)
+        ended = source.poll(TIME_LIMIT)
+        with contextlib.suppress(EOFError, OSError):  # it ended without an answer, or within one
+            answer = source.recv() if ended else None
     finally:
-        if content is None:
+        if answer is None:
             os.kill(child, signal.SIGKILL)
-        os.close(source)
+        source.close()
         _, status = os.waitpid(child, 0)
-    if content is None or (os.WIFSIGNALED(status) and os.WTERMSIG(status) == getattr(signal, "SIGXCPU", None)):
+    if not ended or (os.WIFSIGNALED(status) and os.WTERMSIG(status) == getattr(signal, "SIGXCPU", None)):
         raise ProcessEndedError("the library that reads it comes to no end")
-    if status != 0 or not content:
+    if status != 0 or answer is None:
         raise ProcessEndedError("the library that reads it crashed")
-    succeeded, result = pickle.loads(content)
+    succeeded, result = answer
     if not succeeded:
         raise InputError(result)
     return result  # type: ignore[no-any-return]
 
 
-def _read_within(source: int, limit: float) -> bytes | None:
-    """All that comes out of a pipe until it is closed; None if it is not closed within a time [s]."""
-    end, pieces = time.monotonic() + limit, list[bytes]()
-    with selectors.DefaultSelector() as ready:
-        ready.register(source, selectors.EVENT_READ)
-        while ready.select(max(0.0, end - time.monotonic())):
-            piece = os.read(source, PIECE_SIZE)
-            if not piece:
-                return b"".join(pieces)
-            pieces.append(piece)
-    return None
-
-
-def _work_and_exit(work: Callable[[], Any], sink: int) -> None:
+def _work_and_exit(work: Callable[[], Any], sink: Connection) -> None:
     """Call the function and send its result or the message of its error; nothing of the first process is run again."""
     code = 1
     try:
@@ -107,8 +94,7 @@ def _work_and_exit(work: Callable[[], Any], sink: int) -> None:
             answer: tuple[bool, Any] = (True, work())
         except InputError as error:
             answer = (False, str(error))
-        with open(sink, "wb") as output:
-            pickle.dump(answer, output, protocol=pickle.HIGHEST_PROTOCOL)
+        sink.send(answer)
         code = 0
     finally:
         os._exit(code)

@@ -230,6 +230,9 @@ def _unpacked_size(path: str | os.PathLike[str], variable: Any) -> int:
     return max(math.prod(map(int, variable.shape)), chunk) * each
 
 
+COMPRESSED_SIZE = 4096  # [bytes] from which a variable is compressed: chunks of less take longer, and more room
+
+
 class _LaterWriter:
     """Writer in place of xarray's that keeps the values back until all variables of the file are defined.
 
@@ -250,30 +253,26 @@ class _LaterWriter:
             target[...] = source
 
 
-def write_netcdf(
-    content: xr.Dataset | xr.DataTree,
-    path: str | os.PathLike[str],
-    encoding: Mapping[str, Mapping[str, Any]] | None = None,
-) -> None:
+def write_netcdf(content: xr.Dataset | xr.DataTree, path: str | os.PathLike[str], *, packed: bool = False) -> None:
     """Write a dataset or a tree to a netCDF-4 file, replaced if it exists; missing folders are made.
 
-    If it fails nothing is left behind. ``encoding`` is that of xarray: by variable, or by group and variable.
+    If it fails nothing is left behind. Many numbers are compressed; with ``packed``, as in files that other programs
+    take over, all are, and no value stands for none.
     """
     from netCDF4 import Dataset
 
-    tree, by_group = content, encoding or {}
-    if not isinstance(tree, xr.DataTree):
-        tree, by_group = xr.DataTree(tree), {"/": by_group}
-    groups = [
-        (node.relative_to(tree), in_memory(node.to_dataset(inherit=node is tree)), by_group.get(node.path, {}))
-        for node in tree.subtree
-    ]
+    tree = content if isinstance(content, xr.DataTree) else xr.DataTree(content)
+    groups = [(node.relative_to(tree), in_memory(node.to_dataset(inherit=node is tree))) for node in tree.subtree]
     later = _LaterWriter()
     with whole_file(path) as temporary, netcdf_to_oneself(), Dataset(temporary, "w", format="NETCDF4") as file:
-        for name, dataset, encodings in groups:
+        for name, dataset in groups:
             group = file if name == "." else file.createGroup(name)
             store = xr.backends.NetCDF4DataStore(group, lock=False)  # type: ignore[no-untyped-call]
-            dataset.dump_to_store(store, writer=later, encoding={key: dict(each) for key, each in encodings.items()})
+            numbers = {key: one for key, one in dataset.variables.items() if one.dtype.kind in "fiu"}
+            encodings: dict[Any, dict[str, Any]] = {key: {"_FillValue": None} if packed else {} for key in numbers}
+            for key in (key for key, one in numbers.items() if packed or one.nbytes >= COMPRESSED_SIZE):
+                encodings[key] |= {"zlib": True, "complevel": 1}
+            dataset.dump_to_store(store, writer=later, encoding=encodings)
         later.write()
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from typing import Any, Literal, get_args
 
 import numpy as np
 
 from ..core.arrays import Array, record
-from ..core.checks import array, distinct, instance, number, one_of
+from ..core.checks import array, bounded, check_fields, distinct, instance, number, one_of
 from ..core.errors import InputError
 from .coefficient import DEFAULT_COEFFICIENT, RANGE_FLAGS, CoefficientModel, coefficient_model, model_name
 from .conditions import FILM_FACTORS, THERMAL_FACTORS, film_formula
@@ -28,24 +28,18 @@ BULK_TEMPERATURE_LIMIT = 1000.0  # [degC]
 
 #: Of steel: thermal conductivity [W/(m K)], density [kg/m^3], specific heat capacity [J/(kg K)].
 CONDUCTIVITY, DENSITY, HEAT_CAPACITY = 46.0, 7850.0, 460.0
-CONDUCTIVITY_RANGE, DENSITY_RANGE, HEAT_CAPACITY_RANGE = (0.01, 1e4), (10.0, 1e5), (1.0, 1e5)
 
 
 @dataclass(frozen=True)
 class ThermalMaterial:
     """Thermal properties of a member: conductivity, density and specific heat capacity."""
 
-    conductivity: float = CONDUCTIVITY  # [W/(m K)]
-    density: float = DENSITY  # [kg/m^3]
-    heat_capacity: float = HEAT_CAPACITY  # [J/(kg K)]
+    conductivity: float = field(default=CONDUCTIVITY, metadata=bounded("W/(m K)", least=0.01, most=1e4))
+    density: float = field(default=DENSITY, metadata=bounded("kg/m^3", least=10.0, most=1e5))
+    heat_capacity: float = field(default=HEAT_CAPACITY, metadata=bounded("J/(kg K)", least=1.0, most=1e5))
 
     def __post_init__(self) -> None:
-        for name, unit, (least, most) in (
-            ("conductivity", "W/(m K)", CONDUCTIVITY_RANGE),
-            ("density", "kg/m^3", DENSITY_RANGE),
-            ("heat_capacity", "J/(kg K)", HEAT_CAPACITY_RANGE),
-        ):
-            object.__setattr__(self, name, number(name, getattr(self, name), unit, least=least, most=most))
+        check_fields(self)
 
     @property
     def diffusivity(self) -> float:
@@ -58,12 +52,12 @@ class ThermalMaterial:
         return float(np.sqrt(self.conductivity * self.density * self.heat_capacity))
 
 
-def by_member(name: str, value: Any, unit: str, bounds: tuple[float, float]) -> tuple[float, float]:
+def by_member(name: str, value: Any, unit: str, **bounds: Any) -> tuple[float, float]:
     """Property of pinion and gear, given as one number for both or as a pair; refused out of its bounds."""
     pair = value if isinstance(value, tuple | list) else (value, value)
     if len(pair) != 2:
         raise InputError(f"{name} = {value!r}: must be a number, or a pair for pinion and gear [{unit}]")
-    first, second = (number(name, each, unit, least=bounds[0], most=bounds[1]) for each in pair)
+    first, second = (number(name, each, unit, **bounds) for each in pair)
     return first, second
 
 
@@ -207,10 +201,9 @@ class FrictionModel:
         one_of("thermal_factor", self.thermal_factor, THERMAL_FACTORS)
         one_of("rolling_frame", self.rolling_frame, get_args(FrameOfRolling))
         one_of("out_of_range", self.out_of_range, get_args(OutOfRange))
-        conductivity = by_member("tooth_conductivity", self.tooth_conductivity, "W/(m K)", CONDUCTIVITY_RANGE)
-        density = by_member("tooth_density", self.tooth_density, "kg/m^3", DENSITY_RANGE)
-        capacity = by_member("tooth_heat_capacity", self.tooth_heat_capacity, "J/(kg K)", HEAT_CAPACITY_RANGE)
-        pinion, gear = (ThermalMaterial(*each) for each in zip(conductivity, density, capacity, strict=True))
+        names = {f"tooth_{one.name}": one.metadata for one in fields(ThermalMaterial)}
+        properties = [by_member(name, getattr(self, name), **bounds) for name, bounds in names.items()]
+        pinion, gear = (ThermalMaterial(*each) for each in zip(*properties, strict=True))
         object.__setattr__(self, "materials", (pinion, gear))
 
     def rolling(self, velocities: SurfaceVelocities) -> Array:

@@ -33,10 +33,13 @@ PLACES = ("place_lengthwise", "place_profile")
 
 
 class GroupLayout(NamedTuple):
-    """Variables of a group: those that it must have, and sets of those that it need not have."""
+    """Variables of a group: those that it must have, sets of those that it need not have, and what else it must be."""
 
     needed: Layout
     optional: list[Layout]
+    attributes: dict[str, dict[str, AttributeKind]]  # kinds by name: after ``@`` needed, after ``@?`` not
+    texts: dict[str, str]  # their dimensions by name
+    finite: list[str]  # variables without NaN
 
     def faults(self, group: xr.Dataset) -> Iterator[str]:
         """Variables that a group lacks or has in another form, of sets that it has a part of, too."""
@@ -53,12 +56,20 @@ def _layouts(table: str) -> dict[str, GroupLayout]:
         if row.startswith("#"):
             continue
         if row.startswith("["):
-            needed, optional = layouts[row.strip("[]")] = GroupLayout({}, [])
+            group = layouts[row.strip("[]")] = GroupLayout({}, [], {"@": {}, "@?": {}}, {}, [])
+            needed, optional, *_ = group
             continue
         words, names = row.split(":")
-        mark, *dimensions = words.split() if row[0] in "+&?" else ("", *words.split())
-        over, variables = tuple(dimensions), tuple(names.split())
-        if mark == "?":
+        mark, *dimensions = words.split() if row[0] in "+&?@=!" else ("", *words.split())
+        over, variables, kind = tuple(dimensions), tuple(names.split()), " ".join(dimensions)
+        if mark in group.attributes:
+            texts = tuple(kind.split("|")) if "|" in kind else kind
+            group.attributes[mark] |= dict.fromkeys(variables, int(kind) if kind.isdigit() else texts)
+        elif mark == "=":
+            group.texts.update(dict.fromkeys(variables, kind))
+        elif mark == "!":
+            group.finite.extend(variables)
+        elif mark == "?":
             optional += [{over: (one,)} for one in variables]
         else:
             if mark == "+":
@@ -79,57 +90,19 @@ VARIABLES, COMPUTED, GROUPS = (
         ("modification", "optimization", "root_stress", "optimal_settings", "front", "backlash"),
     )
 )
-#: Texts of those groups by their dimensions, and variables that must be finite.
-GROUP_TEXTS: dict[str, dict[str, str]] = {
-    "optimal_settings": {name: name for name in ("setting", "objective", "quantity_limit")},
-    "front": {**{name: name for name in ("setting", "objective", "quantity_limit")}, "objective_units": "objective"},
-}
-FINITE: dict[str, tuple[str, ...]] = {
-    "optimal_settings": ("setting_start", "setting_value", "objective_start"),
-    "front": ("front_ratio", "front_value", "front_setting", "front_found", "front_violation"),
-}
 #: Dimensions along which there may be nothing: of a search without limits, or that was gone on from and ended at once.
 PERHAPS_EMPTY = ("quantity_limit", "programme")
 #: Dimensions that every group counts for itself: edges of a tooth pair may carry where it has no contact line.
 OF_EACH_GROUP = {"pair"}
-#: Attributes of whatever is of one pair: whether they are a text or a number.
-OF_A_PAIR: dict[str, AttributeKind] = {
-    **dict.fromkeys(("title", "flank"), "text"),
-    **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
-    **dict.fromkeys(
-        (f"misalignment_{key}" for key in ("offset_mm", "pinion_axial_mm", "gear_axial_mm", "shaft_angle_rad")),
-        "number",
-    ),
-}
-#: Those of the unloaded error: NaN where the flanks do not touch at every mesh position.
-OF_UNLOADED: dict[str, AttributeKind] = {"peak_to_peak": "number", "rms": "number", "harmonics": 3}
-#: Attributes by group, with whether they are a text, a number or a vector of that many numbers.
-ATTRIBUTES: dict[str, dict[str, AttributeKind]] = {
-    "": {**OF_A_PAIR, **dict.fromkeys(("easeoff_version", "solver", "pinion_hand", "opposite_flanks"), "text")},
-    "ease_off": {
-        **dict.fromkeys(("pinion_axis", "pinion_origin_mm", "gear_axis", "gear_origin_mm"), 3),
-        **dict.fromkeys(("ratio", "first_contact_rad"), "number"),
-    },
-    "unloaded": {"separation": "number", **OF_UNLOADED},
-    "friction": {
-        **dict.fromkeys(("oil", "friction_coefficient", "film", "thermal_factor"), "text"),
-        "rolling_frame": ("fixed", "contact_line"),
-    },
-}
-OPTIONAL_ATTRIBUTES: dict[str, dict[str, AttributeKind]] = {
-    "": {
-        **dict.fromkeys(
-            ("compliance_model", "deviated", "root_stress_left_out", "backlash_left_out", "deflections"), "text"
-        ),
-        **dict.fromkeys(("case_name", "supports_name"), "text"),
-        **dict.fromkeys(("edge_contact", "largest_deviation_pinion_um", "largest_deviation_gear_um"), "number"),
-        "modification_um": "table of numbers",
-        "deflection_torques_N_m": 2,
-    },
-    "loaded": {"searched_segments": "number", "first_failure": "text"},
-    "light_load": {"first_failure": "text"},
-    "friction": {"film_heating": "text", "formula_oil": "text", "oil_temperature_range_degC": 2},
-}
+#: Attributes of the unloaded error that are NaN where the flanks do not touch at every mesh position.
+OF_UNLOADED = ("peak_to_peak", "rms", "harmonics")
+#: Attributes by group, of the whole result by no name, and of whatever is of one pair: their kinds.
+ATTRIBUTES, OPTIONAL_ATTRIBUTES = (
+    {name: layout.attributes[mark] for name, layout in _LAYOUTS.items() if layout.attributes[mark]}
+    for mark in ("@", "@?")
+)
+OF_A_PAIR = ATTRIBUTES.pop("pair")
+ATTRIBUTES[""] = OF_A_PAIR | ATTRIBUTES[""]
 
 LOAD_CASE_TEXTS = ("load_case", "flank", "reason")
 #: Variables whose values have meanings, in the groups of solves and elsewhere.
@@ -165,7 +138,7 @@ def faults(tree: xr.DataTree) -> list[str]:
     if "light_load" in tree.children:
         loaded = _LAYOUTS["loaded"]
         evaluated = {over: (*loaded.needed.get(over, ()), *names) for over, names in loaded.optional[0].items()}
-        layout["light_load"] = GroupLayout(loaded.needed | evaluated, loaded.optional)
+        layout["light_load"] = loaded._replace(needed=loaded.needed | evaluated)
     defects = [f"no group {name}" for name in layout if name not in tree.children]
     if defects:
         return defects
@@ -226,10 +199,10 @@ def _group_faults(tree: xr.DataTree) -> Iterator[str]:
             yield from (f"{name}: {dataset.sizes[one]} values along {one}" for one in few)
             if name == "modification" and _share(dataset, name) < KNOWN_SHARE:
                 yield f"{name}: {name!r} must hold finite numbers"
-            for text, dimension in GROUP_TEXTS.get(name, {}).items():
+            for text, dimension in _LAYOUTS[name].texts.items():
                 if not _is_text(dataset, text) or dataset[text].dims != (dimension,):
                     yield f"{name}: no text {text!r} over {dimension}"
-            partial = [one for one in FINITE.get(name, ()) if _share(dataset, one) < 1.0]
+            partial = [one for one in _LAYOUTS[name].finite if _share(dataset, one) < 1.0]
             yield from (f"{name}: {one!r} must hold finite numbers" for one in partial)
     for name, other in (("front", "optimal_settings"), ("optimization", "modification")):
         if name in tree.children and other not in tree.children:
@@ -423,7 +396,6 @@ def _is_table(text: str) -> bool:
     )
 
 
-COMPRESSED_SIZE = 4096  # [bytes] from which a variable is compressed: chunks of less take longer, and more room
 #: What reports and pictures are made of.
 ACCEPTED = "'easeoff run', 'modify', 'optimize', 'wear' or 'vh'"
 #: What netCDF files of other commands are, by a variable that no result has.
@@ -461,16 +433,7 @@ def write_result(tree: xr.DataTree, path: str | os.PathLike[str]) -> None:
     True
     """
     instance("tree", tree, xr.DataTree)
-    encoding = {
-        node.path: {
-            str(name): {"zlib": True, "complevel": 1}
-            for name, variable in node.dataset.variables.items()
-            if variable.dtype.kind in "fiu" and variable.nbytes >= COMPRESSED_SIZE
-        }
-        for node in tree.subtree
-        if node.path != "/"
-    }
-    write_netcdf(tree, path, encoding)
+    write_netcdf(tree, path)
 
 
 def read_result(path: str | os.PathLike[str]) -> xr.DataTree:

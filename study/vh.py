@@ -373,8 +373,7 @@ def vh_check(
 
 def write_vh_check(check: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write a V-H check to a netCDF-4 file, whole or not at all."""
-    packed = {str(name): {"zlib": True, "complevel": 1} for name, one in check.data_vars.items() if one.ndim > 1}
-    write_netcdf(check, path, packed)
+    write_netcdf(check, path)
 
 
 def _counts(grid: tuple[int, int]) -> tuple[int, int]:

@@ -17,7 +17,7 @@ import xarray as xr
 
 from ...core.arrays import Array, Integers, record
 from ...core.attributes import ordered
-from ...core.checks import check_fields, frozen, instances, positive, two_whole
+from ...core.checks import bounded, check_fields, frozen, instances, two_whole
 from ...geometry.pair.gear_pair import MEMBERS, GearPair
 from ..lines.flank_splines import FlankSplines
 from ..problem.modal_basis import ModalBasis, SharedModes, basis_of_blocks, compressed_block
@@ -111,7 +111,7 @@ class ElasticModel:
     pinion: Material = STEEL
     gear: Material = STEEL
     modes: tuple[int, int] = (5, 15)
-    shear_factor: float = 1.0
+    shear_factor: float = field(default=1.0, metadata=bounded(above=0.0))
     plate: PlateName = "even"
     foundation: ElasticFoundation | None = DEFAULT_FOUNDATION
     condensed: tuple[FlankCompliance, FlankCompliance] | None = None
@@ -120,7 +120,6 @@ class ElasticModel:
     def __post_init__(self) -> None:
         check_fields(self)
         two_whole("modes", self.modes, 1)
-        positive("shear_factor", self.shear_factor)
         if self.condensed is not None:
             instances("condensed", self.condensed, FlankCompliance, 2)
 

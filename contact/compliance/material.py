@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from ...core.checks import number, positive
+from ...core.checks import bounded, check_fields
 
 
 @dataclass(frozen=True)
@@ -35,12 +35,11 @@ class Material:
     (226374, 79231)
     """
 
-    elastic_modulus: float
-    poisson_ratio: float
+    elastic_modulus: float = field(metadata=bounded("MPa", above=0.0))
+    poisson_ratio: float = field(metadata=bounded(least=0.0, below=0.5))
 
     def __post_init__(self) -> None:
-        positive("elastic_modulus", self.elastic_modulus, "MPa")
-        number("poisson_ratio", self.poisson_ratio, least=0.0, below=0.5)
+        check_fields(self)
 
     @property
     def plane_strain_modulus(self) -> float:

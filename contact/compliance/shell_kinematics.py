@@ -37,14 +37,14 @@ under a uniform load neither matters.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import pi
-from typing import Literal, NamedTuple, get_args
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from ...core.arrays import RealArray as Array
-from ...core.checks import one_of, positive
+from ...core.checks import bounded, check_fields
 from .material import Material
 
 # Order of the strains in every strain vector.
@@ -111,7 +111,6 @@ class DisplacementTerm:
 class Kinematics:
     """A displacement assumption: its fields, strains, root conditions and mid-surface displacements."""
 
-    field_names: tuple[str, ...]
     clamped_powers: tuple[int, ...]  # exponents of the relative height, by field
     sprung_powers: tuple[int, ...]
     strain_terms: tuple[StrainTerm, ...]
@@ -157,7 +156,6 @@ def five_field(curvature: float, fanning: float) -> Kinematics:
         RootTerm(ROOT_TWIST, by, 0, 1.0),
     )
     return Kinematics(
-        field_names=("W", "beta_x", "beta_theta", "u0", "v0"),
         clamped_powers=(1, 1, 1, 1, 1),
         sprung_powers=(0, 0, 0, 0, 0),
         strain_terms=(*terms, *fan) if fanning else terms,
@@ -212,11 +210,10 @@ class ElasticFoundation:
     """
 
     source: FoundationSource = "weber"
-    factor: float = 1.0
+    factor: float = field(default=1.0, metadata=bounded(above=0.0))
 
     def __post_init__(self) -> None:
-        one_of("source", self.source, get_args(FoundationSource))
-        positive("factor", self.factor)
+        check_fields(self)
 
     def constants(self, poisson_ratio: float) -> FoundationConstants:
         """Dimensionless constants of the source, before ``factor``."""

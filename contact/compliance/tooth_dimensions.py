@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.arrays import RealArray as Array
-from ...core.checks import number, positive
+from ...core.checks import bounded, check_fields
 from ...core.errors import InputError
+
+LENGTH = bounded("mm", above=0.0)
 
 
 @dataclass(frozen=True)
@@ -51,25 +53,20 @@ class ToothDimensions:
     (8.25, 6.5)
     """
 
-    trace_length: float
-    trace_radius: float
-    height_toe: float
-    height_heel: float
-    root_thickness_toe: float
-    root_thickness_heel: float
-    tip_thickness_toe: float
-    tip_thickness_heel: float
-    bulge_toe: float = 0.0
-    bulge_heel: float = 0.0
-    fanning: float = 0.0
+    trace_length: float = field(metadata=LENGTH)
+    trace_radius: float = field(metadata=LENGTH | {"infinite": True})
+    height_toe: float = field(metadata=LENGTH)
+    height_heel: float = field(metadata=LENGTH)
+    root_thickness_toe: float = field(metadata=LENGTH)
+    root_thickness_heel: float = field(metadata=LENGTH)
+    tip_thickness_toe: float = field(metadata=LENGTH)
+    tip_thickness_heel: float = field(metadata=LENGTH)
+    bulge_toe: float = field(default=0.0, metadata=bounded("mm"))
+    bulge_heel: float = field(default=0.0, metadata=bounded("mm"))
+    fanning: float = field(default=0.0, metadata=bounded("1/mm"))
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if field.name in ("bulge_toe", "bulge_heel", "fanning"):
-                number(field.name, value, "1/mm" if field.name == "fanning" else "mm")
-            else:
-                positive(field.name, value, "mm", infinite=field.name == "trace_radius")
+        check_fields(self)
         thinnest = self.thickness(np.linspace(0.0, 1.0, 9)[:, None] * self.height(self._ends), self._ends)
         if not thinnest.min() > 0.0:
             bulges = f"bulge_toe = {self.bulge_toe!r}, bulge_heel = {self.bulge_heel!r} mm"

@@ -97,17 +97,12 @@ def contact_time(time: Array, margin: Array, limits: Array) -> float:
     return total
 
 
-def mesh_stiffness(case: LoadedCase) -> float:
-    """Tangent of the torque over the rotation at a solution [N m/urad], r . (B + D)^-1 r; NaN if it is not certified.
+def mesh_stiffnesses(cases: Sequence[LoadedCase]) -> Array:
+    """Tangents of the torque over the rotation (c) [N m/urad], r . (B + D)^-1 r; NaN where a case is not certified.
 
     B bending compliance, D tangent of the line contacts, r lever arms of the touching segments. Where a segment is
-    about to touch, it is the stiffness before it does.
+    about to touch, it is the stiffness before it does. The solution gives it, or else the system of touching segments.
     """
-    return float(mesh_stiffnesses([case])[0])
-
-
-def mesh_stiffnesses(cases: Sequence[LoadedCase]) -> Array:
-    """``mesh_stiffness`` of several cases (c), as the solution gives it or from the system of touching segments."""
     known = np.array([case.solution.stiffness if case.solution.certified else np.nan for case in cases])
     result = 1e-9 * known
     certified = [n for n, case in enumerate(cases) if case.solution.certified and not np.isfinite(known[n])]

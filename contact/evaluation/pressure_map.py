@@ -70,10 +70,6 @@ class Line:
         """Mean of the points (2)."""
         return np.asarray(self.points.mean(axis=1))
 
-    def runs_against(self, other: Line) -> bool:
-        """True if the two lines count their points in opposite directions."""
-        return bool((self.points[:, -1] - self.points[:, 0]) @ (other.points[:, -1] - other.points[:, 0]) < 0.0)
-
 
 def pressure_map(at_torque: xr.Dataset) -> PressureMap:
     """Pressure map from the group ``loaded`` at one torque; mesh positions that are not certified leave a gap in it."""
@@ -215,7 +211,8 @@ def _strips(pairs: Sequence[tuple[Line, int, Line, int]]) -> list[Integers]:
     u, v, i, j = [], [], [], []
     for number, (first, start, second, other) in enumerate(pairs):
         along, points = second.along, np.arange(other, other + second.along.size)
-        if second.runs_against(first):
+        ways = [one.points[:, -1] - one.points[:, 0] for one in (first, second)]
+        if ways[0] @ ways[1] < 0.0:  # they count their points in opposite directions
             along, points = 1.0 - along[::-1], points[::-1]
         # One ascending sequence of all pairs. Which of two places that are equal but for rounding comes first must not
         # depend on that.

@@ -49,7 +49,7 @@ def line_contact_sensitivity(
     line_contact
         The local part.
     solution
-        Of `solve_line_contact`.
+        Of `solve_on_bending`.
     tolerance
         As of `sensitivity`.
 
@@ -70,13 +70,11 @@ def line_contact_sensitivity(
     >>> import numpy as np
     >>> from easeoff.contact import ContactProblem, Material
     >>> from easeoff.contact.compliance.weber_line_contact import WeberLineContact
-    >>> from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
+    >>> from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
     >>> steel = Material(206000.0, 0.3)
     >>> line_contact = WeberLineContact(*(np.full(3, value) for value in (1.5, 30.0, 3.0, 3.0)), steel, steel)
     >>> bending = ContactProblem([0.01, 0.0, 0.01], [40.0] * 3, 1.2e5, (np.zeros(3), np.full((3, 1), 1e-3)))
-    >>> solution, _ = solve_line_contact(
-    ...     bending.separation, bending.lever_arm, bending.torque, bending.compliance, line_contact
-    ... )
+    >>> solution, _ = solve_on_bending(bending, line_contact)
     >>> slope = line_contact_sensitivity(bending, line_contact, solution)
     >>> round(1e-6 / slope.forward(torque=1.0).rotation, 3)  # mesh stiffness [N mm/urad]
     474.66
@@ -372,7 +370,7 @@ def line_contact_path(
     Parameters
     ----------
     bending
-        The contact problem with the compliance of bending alone, as `solve_line_contact` takes it.
+        The contact problem with the compliance of bending alone, as `solve_on_bending` takes it.
     line_contact
         The local part.
     start, end

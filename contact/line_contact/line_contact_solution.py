@@ -198,30 +198,6 @@ class NewtonIteration:
         return length
 
 
-Compliance = Array | tuple[Array, Array]
-
-
-def solve_line_contact(
-    separation: Array,
-    lever_arm: Array,
-    torque: float,
-    bending_compliance: Compliance,
-    line_contact: LineContact,
-    solver: SolverChoice = "auto",
-    *,
-    initial_force: Array | None = None,
-    polish: bool = True,
-    **settings: Any,
-) -> tuple[ContactSolution, ContactProblem]:
-    """Solution of the contact problem with load-dependent line contact, proven, and the equivalent linear problem.
-
-    That has the secant compliance. The bending compliance, (n, n) or a pair of (n) and (n, k), has no local part; a NaN
-    start is ignored; a time or step limit holds for all linear problems with the native solver, for each with another.
-    """
-    bending = ContactProblem(separation, lever_arm, torque, bending_compliance)
-    return solve_on_bending(bending, line_contact, solver, initial_force=initial_force, polish=polish, **settings)
-
-
 def solve_on_bending(
     bending: ContactProblem,
     line_contact: LineContact,
@@ -231,7 +207,11 @@ def solve_on_bending(
     polish: bool = True,
     **settings: Any,
 ) -> tuple[ContactSolution, ContactProblem]:
-    """As `solve_line_contact`, for a contact problem whose compliance is that of bending alone."""
+    """Solution of the contact problem with load-dependent line contact, proven, and the equivalent linear problem.
+
+    That has the secant compliance. The problem given has the compliance of bending alone; a NaN start is ignored; a
+    time or step limit holds for all linear problems with the native solver, for each with another.
+    """
     solver = chosen_solver(solver)
     name = solver.name
     uniform = np.full(bending.size, bending.torque / float(np.maximum(bending.lever_arm, 0.0).sum()))

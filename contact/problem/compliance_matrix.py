@@ -348,7 +348,7 @@ class ModalCompliance:
     def has_few_modes(self) -> bool:
         """True if modes are fewer than segments, in blocks of half of them, or compressed; else C is smaller."""
         modes, (size, columns) = self.modes, self.factor.shape
-        return isinstance(modes, ModalBasis) or columns < size or 2 * modes.longest_block <= size
+        return isinstance(modes, ModalBasis) or columns < size or 2 * int(modes.labels.rows.max()) <= size
 
     @cached_property
     def dense(self) -> Array:

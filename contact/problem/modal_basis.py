@@ -331,11 +331,6 @@ class BendingFactor:
         """Groups of rows and columns."""
         return block_labels(self.factor)
 
-    @property
-    def longest_block(self) -> int:
-        """Rows of the longest block."""
-        return int(self.labels.rows.max())
-
     @cached_property
     def is_shared(self) -> Bools:
         """True for the columns (k) that couple blocks."""

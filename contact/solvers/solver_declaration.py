@@ -17,14 +17,14 @@ import math
 import os
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from ...core.arrays import RealArray as Array
-from ...core.checks import instance, number, one_of, shown, truth
+from ...core.checks import bounded, check_fields, instance, one_of, shown
 from ...core.errors import InputError
 from ...core.foreign_code import IMPORT_TIME_LIMIT, ForeignCodeError, foreign_code
 from ..problem.certificate import EXACT_TOLERANCE
@@ -187,7 +187,7 @@ class Solver:
     forms: tuple[str, ...] = ("dense",)
     warm_start: bool = False
     definite: bool = False
-    tolerance: float = EXACT_TOLERANCE
+    tolerance: float = field(default=EXACT_TOLERANCE, metadata=bounded(above=0.0, below=1.0))
     method: str = ""
 
     def __post_init__(self) -> None:
@@ -203,9 +203,7 @@ class Solver:
         for form in forms:
             one_of("forms", form, DECLARED_FORMS)
         object.__setattr__(self, "forms", forms)
-        truth("warm_start", self.warm_start)
-        truth("definite", self.definite)
-        number("tolerance", self.tolerance, above=0.0, below=1.0)
+        check_fields(self)
 
     @cached_property
     def _keywords(self) -> tuple[frozenset[str], bool]:

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any
 
-from ...core.checks import number, whole
+from ...core.checks import bounded, check_fields
 from ...core.errors import InputError
 from ..problem.certificate import EXACT_TOLERANCE
 from .solution import Status
@@ -30,18 +30,12 @@ OWN_TIME_RANGE = (1e-9, 1e9)
 class Limits:
     """Limits of a solve; None for those of the solver."""
 
-    tolerance: float | None = None
-    time_limit: float | None = None
-    max_iterations: int | None = None
+    tolerance: float | None = field(default=None, metadata=bounded(above=0.0, below=1.0))
+    time_limit: float | None = field(default=None, metadata=bounded("s", least=0.0, infinite=True))
+    max_iterations: int | None = field(default=None, metadata=bounded(least=1))
 
     def __post_init__(self) -> None:
-        """Check the numbers."""
-        if self.tolerance is not None:
-            number("tolerance", self.tolerance, above=0.0, below=1.0)
-        if self.time_limit is not None:
-            number("time_limit", self.time_limit, "s", least=0.0, infinite=True)
-        if self.max_iterations is not None:
-            whole("max_iterations", self.max_iterations, 1)
+        check_fields(self)
 
     @property
     def exact_tolerance(self) -> float:

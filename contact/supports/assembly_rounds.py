@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal, Protocol
 
 from ...core.arrays import RealArray as Array, record
 from ...core.attributes import StoredStatus
-from ...core.checks import one_of, positive, whole
+from ...core.checks import bounded, check_fields
 
 if TYPE_CHECKING:
     from ...geometry.pair.gear_pair import PairGeometry
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from .support import Supports
 
 Update = Literal["none", "mean", "position"]
-UPDATES: tuple[Update, ...] = ("none", "mean", "position")
 
 
 class RoundsStatus(StoredStatus):
@@ -58,13 +57,11 @@ class AssemblyRounds:
     """
 
     update: Update = "mean"
-    limit: float = 1e-2
-    most: int = 10
+    limit: float = field(default=1e-2, metadata=bounded("um", above=0.0))
+    most: int = field(default=10, metadata=bounded(least=1))
 
     def __post_init__(self) -> None:
-        one_of("update", self.update, UPDATES)
-        positive("limit", self.limit, "um")
-        whole("most", self.most, 1)
+        check_fields(self)
 
 
 class CycleInAssembly(Protocol):

@@ -16,14 +16,14 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ...core.arrays import RealArray as Array, record
-from ...core.checks import array, number, shown
+from ...core.checks import array, bounded, check_fields, number, shown
 from ...core.errors import InputError
 from ...geometry.pair.assembly import Assembly
 from ...geometry.tooth.tooth_flanks import MemberName
@@ -31,7 +31,7 @@ from ..compliance.material import Material
 from ..lines.flank_splines import MonotoneCubic
 from .support import ORIGIN, BearingReaction, Support, Supports, shift_matrix, shifted_wrench
 
-POSITION_LIMIT = 5000.0  # along the axis, either way [mm]
+POSITION = bounded("mm", least=-5000.0, most=5000.0)  # along the axis, either way
 DIAMETER_RANGE = (1.0, 2000.0)  # [mm]
 WALL_MINIMUM = 0.01  # outer less inner diameter over the outer one
 
@@ -47,17 +47,13 @@ def shear_coefficient(diameter_ratio: float, poisson_ratio: float) -> float:
 class ShaftSection:
     """A cylindrical section of a shaft, from start to end along its axis [mm]."""
 
-    start: float
-    end: float
-    outer_diameter: float
-    inner_diameter: float = 0.0
+    start: float = field(metadata=POSITION)
+    end: float = field(metadata=POSITION)
+    outer_diameter: float = field(metadata=bounded("mm", least=DIAMETER_RANGE[0], most=DIAMETER_RANGE[1]))
+    inner_diameter: float = field(default=0.0, metadata=bounded("mm", least=0.0))
 
     def __post_init__(self) -> None:
-        for name in ("start", "end"):
-            number(name, getattr(self, name), "mm", least=-POSITION_LIMIT, most=POSITION_LIMIT)
-        least, most = DIAMETER_RANGE
-        number("outer_diameter", self.outer_diameter, "mm", least=least, most=most)
-        number("inner_diameter", self.inner_diameter, "mm", least=0.0)
+        check_fields(self)
         if self.end <= self.start:
             raise InputError(f"end = {shown(self.end)}: must be greater than start = {shown(self.start)} [mm]")
         if self.inner_diameter >= self.outer_diameter:
@@ -143,13 +139,13 @@ class Bearing:
     """A bearing at a place of a shaft. It leaves the rotation about the axis free; a stiffness of zero is none."""
 
     name: str
-    position: float  # on the axis [mm]; of a taper roller bearing its load centre
+    position: float = field(metadata=POSITION)  # on the axis [mm]; of a taper roller bearing its load centre
     radial: Stiffness  # [N/mm]
     axial: Stiffness = 0.0  # [N/mm], both senses alike
     tilting: Stiffness = 0.0  # [N mm/rad]
 
     def __post_init__(self) -> None:
-        number("position", self.position, "mm", least=-POSITION_LIMIT, most=POSITION_LIMIT)
+        check_fields(self)
         for name, unit in (("radial", "N/mm"), ("axial", "N/mm"), ("tilting", "N mm/rad")):
             if not isinstance(value := getattr(self, name), StiffnessCurve):
                 number(f"{name} stiffness", value, unit, least=0.0, most=STIFFNESS_LIMIT)
@@ -261,13 +257,13 @@ class Shaft:
 
     sections: tuple[ShaftSection, ...]
     bearings: tuple[Bearing, ...]
-    reference: float
+    reference: float = field(metadata=POSITION)
     seat: float | None = None  # of the member [mm]; None for the reference
     torque_position: float | None = None  # winds up from there to the seat [mm]; None holds rotation at the seat
     material: Material = STEEL
 
     def __post_init__(self) -> None:
-        number("reference", self.reference, "mm", least=-POSITION_LIMIT, most=POSITION_LIMIT)
+        check_fields(self)
         if not 1 <= len(self.bearings) <= BEARING_COUNT_LIMIT:
             raise InputError(f"{len(self.bearings)} bearings: must be 1 to {BEARING_COUNT_LIMIT}")
         names = [bearing.name for bearing in self.bearings]

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache, cached_property
 
 import numpy as np
@@ -65,12 +65,11 @@ class Asperities:
     array([444.8, 146.6,   1.9])
     """
 
-    composite_roughness: float
-    correlation_length: float
+    composite_roughness: float = field(metadata=checks.bounded("m", above=0.0))
+    correlation_length: float = field(metadata=checks.bounded("m", above=0.0))
 
     def __post_init__(self) -> None:
-        for name in ("composite_roughness", "correlation_length"):
-            checks.positive(name, getattr(self, name), "m")
+        checks.check_fields(self)
         if self.composite_roughness > 0.5 * self.correlation_length:
             raise InputError(
                 f"composite_roughness = {self.composite_roughness:g}: must be up to half of the correlation_length, "

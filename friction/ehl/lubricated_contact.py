@@ -7,13 +7,14 @@ before the contact, and its heat thins the film by factors with a name.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from ...core import checks
 from ...core.arrays import RealArray as Array
+from ...core.checks import bounded
 from ...core.errors import InputError
 from ..conditions import FILM_FACTORS, STEEL_MODULUS, THERMAL_FACTORS
 from ..lubricants.lubricant import OilState
@@ -74,33 +75,19 @@ class Oil:
     array([0.02, 7.5 ])
     """
 
-    viscosity: float
-    pressure_viscosity: float
-    eyring_stress: float = 5e6
+    viscosity: float = field(metadata=bounded("Pa s", above=0.0))
+    pressure_viscosity: float = field(metadata=bounded("1/Pa", least=0.0))
+    eyring_stress: float = field(default=5e6, metadata=bounded("Pa", above=0.0, infinite=True))
     law: ViscosityLaw = "roelands"
-    high_pressure_viscosity: float | None = None
-    limiting_shear: float | None = None
+    high_pressure_viscosity: float | None = field(default=None, metadata=bounded("1/Pa", above=0.0))
+    limiting_shear: float | None = field(default=None, metadata=bounded(above=0.0))
     compressible: bool = True
-    temperature_viscosity: float | None = None
-    thermal_conductivity: float | None = None
-    inlet_temperature: float | None = None
+    temperature_viscosity: float | None = field(default=None, metadata=bounded("1/K", above=0.0))
+    thermal_conductivity: float | None = field(default=None, metadata=bounded("W/(m K)", above=0.0))
+    inlet_temperature: float | None = field(default=None, metadata=bounded("degC", above=ROELANDS_TEMPERATURE))
 
     def __post_init__(self) -> None:
-        checks.positive("viscosity", self.viscosity, "Pa s")
-        checks.positive("pressure_viscosity", self.pressure_viscosity, "1/Pa", zero=True)
-        checks.positive("eyring_stress", self.eyring_stress, "Pa", infinite=True)
-        checks.truth("compressible", self.compressible)
-        for name, unit in (
-            ("high_pressure_viscosity", "1/Pa"),
-            ("limiting_shear", "1"),
-            ("temperature_viscosity", "1/K"),
-            ("thermal_conductivity", "W/(m K)"),
-        ):
-            if getattr(self, name) is not None:
-                checks.positive(name, getattr(self, name), unit)
-        if self.inlet_temperature is not None:
-            checks.number("inlet_temperature", self.inlet_temperature, "degC", above=ROELANDS_TEMPERATURE)
-        checks.one_of("law", self.law, ("roelands", "two_slope"))
+        checks.check_fields(self)
         by_roelands = self.law == "roelands" or self.inlet_temperature is not None
         if by_roelands and math.log(self.viscosity) + ROELANDS_LOGARITHM <= 0.0:
             raise InputError(
@@ -212,25 +199,16 @@ class LubricatedContact:
     352 um, 554 N/mm
     """
 
-    hertz_pressure: float
-    equivalent_radius: float
-    rolling_velocity: float
+    hertz_pressure: float = field(metadata=bounded("Pa", above=0.0))
+    equivalent_radius: float = field(metadata=bounded("m", above=0.0))
+    rolling_velocity: float = field(metadata=bounded("m/s", above=0.0))
     oil: Oil
-    slide_to_roll: float = 0.0
-    contact_modulus: float = STEEL_MODULUS
-    inlet_viscosity: float = 1.0
+    slide_to_roll: float = field(default=0.0, metadata=bounded(least=-2.0, most=2.0))
+    contact_modulus: float = field(default=STEEL_MODULUS, metadata=bounded("Pa", above=0.0))
+    inlet_viscosity: float = field(default=1.0, metadata=bounded(above=0.0))
 
     def __post_init__(self) -> None:
-        for name, unit in (
-            ("hertz_pressure", "Pa"),
-            ("equivalent_radius", "m"),
-            ("rolling_velocity", "m/s"),
-            ("contact_modulus", "Pa"),
-            ("inlet_viscosity", "1"),
-        ):
-            checks.positive(name, getattr(self, name), unit)
-        checks.number("slide_to_roll", self.slide_to_roll, least=-2.0, most=2.0)
-        checks.instance("oil", self.oil, Oil)
+        checks.check_fields(self)
         if self.hertz_pressure > PRESSURE_PARAMETER_LIMIT * self.contact_modulus:
             raise InputError(
                 f"hertz_pressure = {self.hertz_pressure:g}: must be up to {PRESSURE_PARAMETER_LIMIT:g} of the contact "

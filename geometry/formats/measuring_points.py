@@ -244,7 +244,7 @@ def write_cmm_points(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
         with whole_file(path) as temporary:
             temporary.write_text(cmm_csv.text(dataset), encoding="utf-8")
     else:
-        write_netcdf(dataset, path, {str(name): {"_FillValue": None} for name in dataset.data_vars})
+        write_netcdf(dataset, path, packed=True)
 
 
 def read_cmm_points(path: str | os.PathLike[str]) -> xr.Dataset:

@@ -18,7 +18,7 @@ from ..progress import terminal_bar, working
 from . import option
 from .case_run import TOLD_TIME, check_cost, check_folders, opened_case, outside_allowed, progress_bar
 from .command import EXIT_UNCERTIFIED, Command, echo, next_commands, quick_start
-from .option_values import given_model, reader, with_defaults
+from .option_values import given_model, keyed_texts, reader, with_defaults
 from .result_commands import draw, end_with
 
 if TYPE_CHECKING:
@@ -136,18 +136,11 @@ KEEP = re.compile(r"(worst|least)\s*=\s*(\w+)\s*:\s*(\d+)")
 @reader
 def _swept(texts: tuple[str, ...]) -> dict[str, str]:
     """Values or distributions by the name of the coordinate."""
-    coordinates: dict[str, str] = {}
-    for text in texts:
-        parts = OVER.fullmatch(text.strip())
-        if parts is None:
-            raise click.BadParameter(f"{text!r}: must be NAME=FROM:TO:COUNT, NAME=V1,V2,... or NAME~normal(0,0.03)")
-        name, sign, values = parts.groups()
-        if name in coordinates:
-            raise click.BadParameter(f"{name} comes twice")
-        if (sign == "~") != ("(" in values):
-            raise click.BadParameter(f"{text!r}: '=' goes before values, '~' before a distribution")
-        coordinates[name] = values
-    return coordinates
+    found = keyed_texts(texts, OVER, "NAME=FROM:TO:COUNT, NAME=V1,V2,... or NAME~normal(0,0.03)")
+    for parts in found.values():
+        if (parts[2] == "~") != ("(" in parts[3]):
+            raise click.BadParameter(f"{parts.string!r}: '=' goes before values, '~' before a distribution")
+    return {name: parts[3] for name, parts in found.items()}
 
 
 @reader

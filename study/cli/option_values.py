@@ -88,6 +88,19 @@ def by_member(text: str, quantity: str, example: str) -> list[float]:
     return entries
 
 
+def keyed_texts(texts: tuple[str, ...], pattern: re.Pattern[str], wanted: str) -> dict[str, re.Match[str]]:
+    """Texts of an option that may be repeated as a pattern finds them, by its first group, which comes once."""
+    found: dict[str, re.Match[str]] = {}
+    for text in texts:
+        parts = pattern.fullmatch(text.strip())
+        if parts is None:
+            raise click.BadParameter(f"{text!r}: must be {wanted}")
+        if parts[1] in found:
+            raise click.BadParameter(f"{parts[1]} comes twice")
+        found[parts[1]] = parts
+    return found
+
+
 def keyed_numbers(text: str, keys: Sequence[str], example: str) -> dict[str, float]:
     """Numbers by key, from KEY=NUMBER separated by commas."""
     values: dict[str, float] = {}

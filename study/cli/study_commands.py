@@ -14,7 +14,7 @@ from ..progress import count, terminal_bar, working
 from . import option
 from .case_run import check_folders, check_output, opened_case, show_stage
 from .command import EXIT_UNCERTIFIED, Command, echo, end_uncertified, next_commands, quick_start
-from .option_values import by_member, number_list, reader, two_counts, with_defaults
+from .option_values import by_member, keyed_texts, number_list, reader, two_counts, with_defaults
 from .result_commands import draw
 
 if TYPE_CHECKING:
@@ -289,15 +289,8 @@ RANGE = re.compile(r"(.+?)\s*=\s*([^=:]+):([^=:]+)")
 @reader
 def _spread(texts: tuple[str, ...]) -> dict[str, str]:
     """Distributions of assembly errors."""
-    distributions: dict[str, str] = {}
-    for text in texts:
-        parts = SPREAD.fullmatch(text.strip())
-        if parts is None:
-            raise click.BadParameter(f"{text!r}: must be E, P, G or Sigma with a distribution, as E~normal(0,0.03)")
-        if parts[1] in distributions:
-            raise click.BadParameter(f"{parts[1]} comes twice")
-        distributions[parts[1]] = parts[2]
-    return distributions
+    found = keyed_texts(texts, SPREAD, "E, P, G or Sigma with a distribution, as E~normal(0,0.03)")
+    return {name: parts[2] for name, parts in found.items()}
 
 
 @reader

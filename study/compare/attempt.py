@@ -81,11 +81,6 @@ class Method:
         return {**entry.settings, **limits, **swept}
 
 
-def has_tolerance(solver: str) -> bool:
-    """True if a sweep of tolerances changes anything for a solver."""
-    return solver not in SOLVERS or bool(SOLVERS[solver].tolerance_settings)
-
-
 def polishes_itself(solver: str) -> bool:
     """True if the table's settings have a solver polish its own answer, whatever its tolerance."""
     return solver in SOLVERS and bool(SOLVERS[solver].settings.get("polishing", False))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 import xarray as xr
@@ -17,7 +17,7 @@ from ...contact.problem.certificate import Certificate
 from ...contact.solvers import SOLVERS, available_solvers, require_solver
 from ...contact.solvers.solver_declaration import declares_place, entry_point_names
 from ...core.checkpoint import Checkpoint, digest
-from ...core.checks import array, file_path, instance, number, one_of, truth, whole, words
+from ...core.checks import array, bounded, check_fields, file_path, instance, number, one_of, words
 from ...core.errors import InputError
 from ...core.output_file import check_folder
 from . import attempt as attempting
@@ -34,21 +34,16 @@ TOLERANCE_COUNT_LIMIT = 20
 class Choice:
     """Measurements that the user chose, checked."""
 
-    repetitions: int
-    time_limit: float
+    repetitions: int = field(metadata=bounded(least=1, most=1000))
+    time_limit: float = field(metadata=bounded("s", above=0.0, most=86400.0))
     polish: bool
     raw: bool  # also measure in mm and N at the backends' own settings
     defaults: bool  # also measure the scaled problem at the backends' own settings
     tolerances: tuple[float, ...]
-    threads: int
+    threads: int = field(metadata=bounded(least=1, most=1024))
 
     def __post_init__(self) -> None:
-        whole("repetitions", self.repetitions, 1, 1000)
-        number("time_limit", self.time_limit, "s", above=0.0, most=86400.0)
-        whole("threads", self.threads, 1, 1024)
-        truth("polish", self.polish)
-        truth("raw", self.raw)
-        truth("defaults", self.defaults)
+        check_fields(self)
         for tolerance in self.tolerances:
             number("tolerances", tolerance, above=0.0, below=1.0)
         if len(self.tolerances) > TOLERANCE_COUNT_LIMIT:
@@ -106,7 +101,7 @@ def methods_of(solver: str, choice: Choice, *, warm: bool = False) -> Iterator[M
         yield Method(solver, attempting.RAW)
     if choice.defaults:
         yield Method(solver, attempting.DEFAULT)
-    if attempting.has_tolerance(solver):
+    if solver not in SOLVERS or SOLVERS[solver].tolerance_settings:  # else a sweep changes nothing
         yield from (Method(solver, attempting.SWEEP, COLD, tolerance) for tolerance in choice.tolerances)
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import csv
 import os
 from collections.abc import Sequence
+from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -65,70 +66,8 @@ def convert_problems(source: Path, output: Path, format: str | None, form: str |
 
 SCRIPT = "contact_qpbenchmark.py"
 TABLE = "problems.csv"
-
-_TEXT = '''"""Contact problems of gear teeth as a test set of qpbenchmark; made by easeoff.
-
-    python contact_qpbenchmark.py run
-
-Each problem: minimise 1/2 F'C F + S'F subject to r'F = T, F >= 0, in scaled numbers, all of order one. What each is,
-and its reference solution, is in problems.csv. qpbenchmark asks for the author of the report, which fails without a
-terminal: here it is "unknown" unless given as --author NAME.
-"""
-
-import csv
-import sys
-from collections.abc import Iterator
-from pathlib import Path
-
-import qpbenchmark
-from qpbenchmark.benchmark import main
-
-HERE = Path(__file__).resolve().parent
-
-
-class ContactQpbenchmark(qpbenchmark.TestSet):
-    """Contact problems of gear teeth."""
-
-    @property
-    def title(self) -> str:
-        """Title of the report."""
-        return "Contact problems of gear teeth"
-
-    @property
-    def description(self) -> str:
-        """Description of the problems."""
-        return "Load distribution over the contact lines of gear teeth: dense, one equality, lower bounds."
-
-    @property
-    def sparse_only(self) -> bool:
-        """The matrices are dense."""
-        return False
-
-    def define_tolerances(self) -> None:
-        """Limits on residuals and run time, by settings."""
-        levels = {"default": 1.0, "low_accuracy": 1e-3, "mid_accuracy": 1e-6, "high_accuracy": 1e-9}
-        self.tolerances = {
-            name: qpbenchmark.Tolerance(primal=limit, dual=limit, gap=limit, runtime=TIME_LIMIT)
-            for name, limit in levels.items()
-        }
-
-    def __iter__(self) -> Iterator[qpbenchmark.Problem]:
-        """Read the problems, in the order of the table: those of a sequence follow each other."""
-        for row in self.table():
-            yield qpbenchmark.Problem.load(str(HERE / "data" / (row["problem"] + ".npz")))
-
-    @staticmethod
-    def table() -> list[dict[str, str]]:
-        """Rows of problems.csv: name, labels, and the reference solution of the programme."""
-        with (HERE / "problems.csv").open(newline="", encoding="utf-8") as file:
-            return list(csv.DictReader(file))
-
-
-if __name__ == "__main__":
-    if {"run", "report"} & set(sys.argv) and not any(word.startswith("--author") for word in sys.argv):
-        sys.argv += ["--author", "unknown"]
-    main(test_set_path=str(Path(__file__).resolve()), results_path=str(HERE / "results.csv"))
-'''
+#: Text of the script, with TIME_LIMIT for the time limit [s].
+TEMPLATE = resources.files(__package__) / "contact_qpbenchmark.txt"
 
 
 def write_test_set(
@@ -165,7 +104,8 @@ def write_test_set(
         writer.writerows(rows)
     script = target / SCRIPT
     with whole_file(script) as temporary:
-        temporary.write_text(_TEXT.replace("TIME_LIMIT", f"{time_limit:g}"), encoding="utf-8")
+        content = TEMPLATE.read_text(encoding="utf-8").replace("TIME_LIMIT", f"{time_limit:g}")
+        temporary.write_text(content, encoding="utf-8")
     return [script]
 
 

@@ -23,7 +23,7 @@ from typing import Any
 
 from ...contact.solvers import SOLVERS, Solver
 from ...contact.solvers.backend_solution import GRACE_TIME
-from ...contact.solvers.solver_declaration import entry_point
+from ...contact.solvers.solver_declaration import current_folder_last, entry_point
 from ...core.errors import EaseoffError, InputError, MissingSolverError
 from ...core.process_settings import THREAD_VARIABLES, child_environment, children_without_interrupts, end_with_parent
 from .attempt import CRASHED, TIME_LIMIT, UNMEASURED_FACTOR, Attempt, Request, attempt, load_adapter, multiplied, plain
@@ -152,8 +152,9 @@ def serve(connection: Connection, solver: str) -> None:
     """Answer requests until the other side closes: the main function of a worker's process."""
     end_with_parent()
     _silence()
+    folders = contextlib.ExitStack()  # until the process ends: a solver of one's own may import more at any time
     if ":" in solver:
-        _add_current_folder()
+        folders.enter_context(current_folder_last())
     try:
         adapter = load_adapter(solver)
     except MissingSolverError as error:
@@ -169,14 +170,6 @@ def serve(connection: Connection, solver: str) -> None:
         except EOFError:
             return
         connection.send(attempt(request, adapter))
-
-
-def _add_current_folder() -> None:
-    """Let a solver of one's own be imported from the current folder, where it is looked for last."""
-    with contextlib.suppress(ImportError):
-        importlib.import_module("qpsolvers")  # first, because it tries to import every solver it knows
-    if os.getcwd() not in sys.path:
-        sys.path.append(os.getcwd())
 
 
 def _silence() -> None:

@@ -22,8 +22,8 @@ import xarray as xr
 from ...core.errors import InputError, suggestion
 from ...core.netcdf_file import in_memory
 from ..analysis.key_numbers import key_numbers
-from ..report.report_tables import loaded_numbers
-from ..result import CONDITIONS, VARIABLES, faults, load_case_faults
+from ..report.report_tables import FIRST_PATHS, loaded_numbers
+from ..result import CONDITIONS, PATTERN, VARIABLES, faults, load_case_faults
 from ..summary import sweep_report
 from ..summary.assembly import ERRORS, SHARES, bearing_loads, deflection_tables, mean_misalignment, supports_tables
 from ..summary.load_case_summary import load_case_notes, load_case_summary, load_case_tables
@@ -399,24 +399,8 @@ def _read(name: str, variable: xr.DataArray, values: Any) -> tuple[str, Any]:
 TORQUE_COUNT_LIMIT = 8  # side by side
 ROW_COUNT_LIMIT = 12  # operating conditions of friction, or load cases
 #: Numbers of the loaded contact that are shown, by the variable that the report names; the rest are in the text.
-SHOWN_NUMBERS = (
-    "loaded/mean_level",
-    "loaded/peak_to_peak",
-    "loaded/mean_mesh_stiffness",
-    "loaded/contact_ratio",
-    "loaded/max_load_share",
-    "loaded/edge_share",
-    "root_stress/max_root_stress",
-    "loaded/status",
-    "loaded/pattern_centre_lengthwise",
-    "loaded/pattern_centre_profile",
-    "loaded/pattern_length",
-    "loaded/pattern_height",
-    "loaded/max_pressure",
-    "loaded/max_pressure_line_end",
-    "loaded/max_pressure_lengthwise",
-    "loaded/max_pressure_profile",
-)
+SHOWN_NUMBERS = {*FIRST_PATHS, "loaded/mean_level", "loaded/mean_mesh_stiffness"}
+SHOWN_NUMBERS |= {f"loaded/{name}" for name in ("max_pressure_lengthwise", "max_pressure_profile", *PATTERN)}
 
 
 def result_page(tree: xr.DataTree) -> str:

@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from ...core.arrays import Array
 from ...core.checks import instance
 from ...core.errors import InputError
 from ..result import PATTERN
@@ -126,17 +125,8 @@ def sweep(
     picture = chosen_parts(there, there[0] if picture is None else picture.removeprefix("sweep_"), "picture")[0]
     known = [name for name in DRAWN if name in numbers(dataset) and bool(dataset[name].notnull().any())]
     shown = drawn_numbers(dataset) if names is None else list(chosen_parts(known, names, "names"))
-    dataset = with_percent(dataset)
-    if picture == "pattern":
-        return _pattern(dataset, axes)
-    if picture == "histograms":
-        return _histograms(dataset, shown, axes)
-    if picture == "tornado":
-        return _tornado(dataset, shown, axes)
-    grids = _grids(dataset)
-    if picture == "map":
-        return _map(dataset, shown, grids[0], grids[1], axes)
-    return _curves(dataset, shown, grids[0], axes)
+    draw = {"map": _map, "curves": _curves, "pattern": _pattern, "histograms": _histograms, "tornado": _tornado}
+    return draw[picture](with_percent(dataset), shown, axes)
 
 
 def _grids(dataset: xr.Dataset) -> list[str]:
@@ -197,10 +187,11 @@ def _finish(axes: Axes, title: str, x: str = "", y: str = "") -> None:
     axes.set_title(title, fontsize=BODY_SIZE, color=INK, loc="left")
 
 
-def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, given: AxesChoice) -> Figure:
-    """Filled contours of numbers over two coordinates; failed points stay white."""
+def _map(dataset: xr.Dataset, names: list[str], given: AxesChoice) -> Figure:
+    """Filled contours of numbers over the first two grids; failed points stay white."""
     from matplotlib.ticker import FixedLocator, MaxNLocator
 
+    along, up, *_ = _grids(dataset)
     said = _reduced(dataset, names[0], (up, along))[1]
     figure, grid = _panels(dataset, f"Map over {along} and {up}", len(names), 2.7, ", ".join(said), given)
     ordered = dataset.sortby([along, up])
@@ -232,8 +223,9 @@ def _map(dataset: xr.Dataset, names: list[str], along: str, up: str, given: Axes
     return figure
 
 
-def _curves(dataset: xr.Dataset, names: list[str], along: str, given: AxesChoice) -> Figure:
-    """Numbers over one coordinate, a curve a torque."""
+def _curves(dataset: xr.Dataset, names: list[str], given: AxesChoice) -> Figure:
+    """Numbers over the first grid, a curve a torque."""
+    along = _grids(dataset)[0]
     by = "torque" if "torque" in dataset.dims and along != "torque" else ""
     said = _reduced(dataset, names[0], (along, by))[1]
     figure, grid = _panels(dataset, f"Numbers over {along}", len(names), 2.3, ", ".join(said), given)
@@ -260,7 +252,7 @@ def _by_torque(dataset: xr.Dataset, most: int) -> list[tuple[int, Any, str | Non
     return list(zip(chosen.tolist(), torque_colours(torques[chosen]), names, strict=True))
 
 
-def _pattern(dataset: xr.Dataset, given: AxesChoice) -> Figure:
+def _pattern(dataset: xr.Dataset, _names: list[str], given: AxesChoice) -> Figure:
     """Centre and extent of the contact pattern on the gear flank over one coordinate, a panel a torque."""
     from matplotlib import colormaps
     from matplotlib.cm import ScalarMappable
@@ -285,7 +277,9 @@ def _pattern(dataset: xr.Dataset, given: AxesChoice) -> Figure:
     shades = dataset[by].values.astype(float)
     scale = Normalize(float(shades.min()), float(shades.max()) if np.ptp(shades) else float(shades.min()) + 1.0)
     for axes, torque in zip(grid, torques, strict=True):
-        t, h, length, height = (_at_torque(_reduced(dataset, name, keep)[0], int(torque)) for name in PATTERN)
+        at = {} if along == "torque" else {"torque": int(torque)}
+        patterns = (_reduced(dataset, name, keep)[0].isel(at, missing_dims="ignore") for name in PATTERN)
+        t, h, length, height = (np.asarray(one.values) for one in patterns)
         order = np.argsort(shades, kind="stable")
         colours = colormaps["viridis"](scale(shades))
         known = order[np.isfinite(t[order])]
@@ -304,13 +298,6 @@ def _pattern(dataset: xr.Dataset, given: AxesChoice) -> Figure:
         _finish(axes, words, "from the toe [%]", "from the root [%] (gear)")
     plain_bar(figure.colorbar(ScalarMappable(scale, "viridis"), ax=list(grid), pad=0.02), _label(dataset, by))
     return figure
-
-
-def _at_torque(values: xr.DataArray, torque: int) -> Array:
-    """Values over the coordinate alone."""
-    if values.ndim == 2:
-        values = values.isel(torque=torque)
-    return np.asarray(values.values)
 
 
 def _histograms(dataset: xr.Dataset, names: list[str], given: AxesChoice) -> Figure:

@@ -24,25 +24,13 @@ from ..compare.attempt import COLD, RAW, SETTINGS
 from ..compare.method_statistics import TIMES, MethodName, by_problem, has_sweep, headline, methods, of_method, time_of
 from ..plot.axes_style import label_axes, plain_axes
 from ..plot.page import save, titled_sheet
-from ..plot.style import GREY, INK, SMALL_SIZE
+from ..plot.style import BLUE, GREEN, GREY, INK, SMALL_SIZE, VERMILION
 from .comparison_report import FIGURE_FOLDER, FIGURE_FORMATS, Picture, group_of, size_groups
 
 #: Okabe and Ito's colours without yellow, which is too faint for lines; the first is for the native solver.
 #: Five darker ones follow.
-COLOURS = (
-    "#222222",
-    "#0072B2",
-    "#D55E00",
-    "#009E73",
-    "#CC79A7",
-    "#E69F00",
-    "#56B4E9",
-    "#7F4F24",
-    "#6A3D9A",
-    "#808000",
-    "#A50026",
-    "#7A7A7A",
-)
+DARKER = ("#7F4F24", "#6A3D9A", "#808000", "#A50026", "#7A7A7A")
+COLOURS = (INK, BLUE, VERMILION, GREEN, "#CC79A7", "#E69F00", "#56B4E9", *DARKER)
 #: Dashes and markers, in numbers that share no factor with each other nor with that of the colours behind the first:
 #: neighbours differ in all three, and lines can be told apart in grey.
 DASHES = ((), (5, 1.5), (1.5, 1.2), (6, 1.5, 1.5, 1.5), (9, 2))

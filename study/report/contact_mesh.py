@@ -290,51 +290,41 @@ def band_pressure(points: Array, strips: Array, pressure: Array) -> Array:
     return pressures.reshape(points.shape[:2])
 
 
+Values = Mapping[str, Any]
+
+
 class QuadMesh:
-    """Quadrilaterals with named values at points and of cells, and integer labels of cells; NaN where not given."""
+    """Quadrilaterals with values at points and of cells by name; NaN where not given, labels of cells always are."""
 
-    def __init__(self, point_names: Sequence[str], labels: Sequence[str], cell_names: Sequence[str]) -> None:
-        self.labels, self.cell_names = tuple(labels), tuple(cell_names)
-        self._points: list[Array] = []
-        self._quads: list[Array] = []
-        self._point_data: dict[str, list[Array]] = {name: [] for name in point_names}
-        self._cell_data: dict[str, list[Array]] = {name: [] for name in (*labels, *cell_names)}
-        self._count = 0
+    def __init__(self, point_names: Sequence[str], cell_names: Sequence[str]) -> None:
+        self._names = point_names, cell_names
+        self._parts: list[tuple[Array, Array, Values, Values]] = []  # points, corners of cells, values of both
 
-    def add_grid(self, points: Array, fields: Mapping[str, Array], labels: Sequence[int]) -> None:
-        """Add a grid of points (m, n, 3) with values (m, n) by name; those that are missing are NaN."""
+    def add_grid(self, points: Array, fields: Values, labels: Mapping[str, int]) -> None:
+        """Add a grid of points (m, n, 3) with values (m, n) by name, and labels of its cells."""
         node = np.arange(points.shape[0] * points.shape[1]).reshape(points.shape[:2])
         quads = np.stack([node[:-1, :-1], node[1:, :-1], node[1:, 1:], node[:-1, 1:]], axis=-1).reshape(-1, 4)
-        self._add(points.reshape(-1, 3), quads, fields, {}, labels)
+        cells = {name: np.int32(label) for name, label in labels.items()}
+        self._parts.append((points.reshape(-1, 3), quads, fields, cells))
 
-    def add_strips(self, corners: Array, values: Mapping[str, Array], labels: Sequence[int]) -> None:
-        """Add separate cells with their corners (k, 4, 3) and values (k) by name; those that are missing are NaN."""
-        self._add(corners.reshape(-1, 3), np.arange(4 * len(corners)).reshape(-1, 4), {}, values, labels)
-
-    def _add(
-        self,
-        points: Array,
-        quads: Array,
-        fields: Mapping[str, Array],
-        values: Mapping[str, Array],
-        labels: Sequence[int],
-    ) -> None:
-        self._points.append(points)
-        self._quads.append(quads + self._count)
-        self._count += len(points)
-        for name, kept in self._point_data.items():
-            kept.append(fields[name].ravel() if name in fields else np.full(len(points), np.nan))
-        for name, label in zip(self.labels, labels, strict=True):
-            self._cell_data[name].append(np.full(len(quads), label, dtype=np.int32))
-        for name in self.cell_names:
-            self._cell_data[name].append(values[name] if name in values else np.full(len(quads), np.nan))
+    def add_strips(self, corners: Array, values: Values, labels: Mapping[str, int]) -> None:
+        """Add separate cells with their corners (k, 4, 3), values (k) by name, and labels."""
+        cells = {name: np.int32(label) for name, label in labels.items()} | dict(values)
+        self._parts.append((corners.reshape(-1, 3), np.arange(4 * len(corners)).reshape(-1, 4), {}, cells))
 
     def content(self) -> tuple[Array, Array, dict[str, Array], dict[str, Array]]:
         """Points (n, 3), corners of the cells (c, 4), and data by name of cells and of points."""
-        cells, points = (
-            {name: np.concatenate(kept) for name, kept in data.items()} for data in (self._cell_data, self._point_data)
-        )
-        return np.concatenate(self._points), np.concatenate(self._quads), cells, points
+        points, quads, fields, cells = zip(*self._parts, strict=True)
+        starts = np.cumsum([0, *map(len, points[:-1])])
+
+        def joined(names: Sequence[str], given: Sequence[Values], places: Sequence[Array]) -> dict[str, Array]:
+            parts = list(zip(given, map(len, places), strict=True))
+            filled = {name: [np.broadcast_to(np.ravel(one.get(name, np.nan)), n) for one, n in parts] for name in names}
+            return {name: np.concatenate(values) for name, values in filled.items()}
+
+        corners = np.concatenate([one + start for one, start in zip(quads, starts, strict=True)])
+        of_points, of_cells = self._names
+        return np.concatenate(points), corners, joined(of_cells, cells, quads), joined(of_points, fields, points)
 
 
 SUFFIX, REXS_SUFFIX = ".vtu", ".rexs"
@@ -559,7 +549,7 @@ class TeethInMesh:
         friction = None if self.friction is None else self.friction.isel(mesh_position=number)
         segments = loaded_segments(self.loaded.isel(mesh_position=number), friction)
         teeth = [int(tooth) for tooth in np.unique(segments.tooth)] or [0]
-        mesh = QuadMesh((EASE_OFF, PATTERN, BAND), ("member", "pair", "part"), tuple(segments.values))
+        mesh = QuadMesh((EASE_OFF, PATTERN, BAND), ("member", "pair", "part", *segments.values))
         corners = strip_corners(segments, flank_positions(self.tree["flanks"].to_dataset(), "gear"))
         for tooth in teeth:
             chosen = segments.tooth == tooth
@@ -567,12 +557,12 @@ class TeethInMesh:
             pressure = segments.values["pressure [MPa]"][chosen]  # NaN on sharp edges
             for index, member in enumerate(MEMBER_NAMES):
                 for name, points in self.patches[member].items():
-                    at = self.in_mesh(points, member, tooth, number)
+                    at, fields, part = self.in_mesh(points, member, tooth, number), {}, "other surface"
                     if name == loaded_patch(self.tree, member):
                         fields = self._flank_fields[member] | {BAND: band_pressure(at, strips, pressure)}
-                        mesh.add_grid(at, fields, (index, tooth, PARTS["loaded flank"]))
-                    else:
-                        mesh.add_grid(at, {}, (index, tooth, PARTS["other surface"]))
+                        part = "loaded flank"
+                    mesh.add_grid(at, fields, {"member": index, "pair": tooth, "part": PARTS[part]})
             values = {name: column[chosen] for name, column in segments.values.items()}
-            mesh.add_strips(strips, values, (BOTH_MEMBERS, tooth, PARTS["contact segment"]))
+            labels = {"member": BOTH_MEMBERS, "pair": tooth, "part": PARTS["contact segment"]}
+            mesh.add_strips(strips, values, labels)
         return vtu_file(*mesh.content()), len(teeth)

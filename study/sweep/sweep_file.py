@@ -13,19 +13,10 @@ from ...core.attributes import StoredStatus
 from ...core.errors import InputError
 from ...core.netcdf_file import layout_fault, read_dataset, unreadable, write_netcdf
 from ...core.regular_file import named
-from ..result import MAGNITUDE_LIMIT, OF_A_PAIR, OPTIONAL_ATTRIBUTES, SWEEP_MARK, attribute_faults, form_faults
+from ..result import ATTRIBUTES, MAGNITUDE_LIMIT, OPTIONAL_ATTRIBUTES, SWEEP_MARK, attribute_faults, form_faults
 from .reductions import LOADS, ROWS, point_dimensions, swept_names
 
 SWEEP_SCHEMA_VERSION = 1  # of what older versions do not read as it is meant
-ATTRIBUTES = {
-    **dict.fromkeys(("title", "easeoff_version", "flank", "solver"), "text"),
-    **dict.fromkeys(("pinion_teeth", "gear_teeth"), "number"),
-}
-SWEEP_ATTRIBUTES = {
-    **OPTIONAL_ATTRIBUTES[""],
-    **{name: kind for name, kind in OF_A_PAIR.items() if name.startswith("misalignment_")},
-    **{"sampler": "text", "distributions": "text", "seed": "number"},
-}
 #: Dimensions that a number may have beside those of the points and of the loads.
 OTHER_DIMENSIONS = ("order", "member")
 
@@ -42,8 +33,9 @@ class PointStatus(StoredStatus):
 
 def sweep_faults(dataset: xr.Dataset) -> list[str]:
     """Parts that the dataset of a sweep lacks, or has in another form, one phrase each; empty if it is whole."""
-    faults = attribute_faults(dataset.attrs, ATTRIBUTES, needed=True)
-    faults += attribute_faults(dataset.attrs, SWEEP_ATTRIBUTES, needed=False)
+    faults = attribute_faults(dataset.attrs, ATTRIBUTES["sweep"], needed=True)
+    for group in ("", "sweep"):
+        faults += attribute_faults(dataset.attrs, OPTIONAL_ATTRIBUTES[group], needed=False)
     try:
         names = swept_names(dataset)
     except InputError:
@@ -97,12 +89,7 @@ def _is_text(values: Any) -> bool:
 
 def write_sweep(dataset: xr.Dataset, path: str | os.PathLike[str]) -> None:
     """Write the dataset of a sweep to a netCDF-4 file, whole or not at all; missing folders are made."""
-    encoding = {
-        str(name): {"zlib": True, "complevel": 1}
-        for name, variable in dataset.variables.items()
-        if variable.dtype.kind in "fiu" and variable.ndim
-    }
-    write_netcdf(dataset, path, encoding)
+    write_netcdf(dataset, path)
 
 
 def read_sweep(path: str | os.PathLike[str]) -> xr.Dataset:

@@ -54,7 +54,6 @@ def thesis_kinematics(curvature: float, fanning: float) -> Kinematics:
     # The shear strains keep their zero at the root, so that there the slope of W is the rotation of the section.
     root = (RootTerm(ROOT_DEFLECTION, w, 0, 1.0), RootTerm(ROOT_ROTATION, w, 1, 1.0))
     return Kinematics(
-        field_names=("W", "psi_x", "psi_theta"),
         clamped_powers=(2, 1, 1),
         sprung_powers=(0, 1, 1),
         strain_terms=terms,

@@ -332,12 +332,7 @@ def write_problems(
     if taken := sorted(set(attributes) & set(dataset.attrs)):
         raise InputError(f"attribute = {taken[0]!r}: must be another name, the file has an attribute of this one")
     dataset.attrs.update(attributes)
-    encoding: dict[str, dict[str, Any]] = {
-        str(name): {"zlib": True, "complevel": 1, "_FillValue": None}
-        for name, variable in dataset.variables.items()
-        if variable.dtype.kind in "fi"
-    }
-    write_netcdf(dataset, path, encoding)
+    write_netcdf(dataset, path, packed=True)
 
 
 def read_problems(path: str | os.PathLike[str]) -> list[ContactProblem]:

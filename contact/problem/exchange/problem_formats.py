@@ -31,20 +31,12 @@ from ....core.netcdf_file import unpacked_size_limit
 from ....core.output_file import check_folder, check_writable, whole_file
 from ....core.regular_file import faults_in_words, named, require_file
 from ..contact_problem import VARIABLES, ContactProblem, problem_numbers, problem_of_numbers
-from .fclib_file import (
-    VARIABLES as REFERENCE_VARIABLES,
-    read_fclib,
-    read_references,
-    reference_numbers,
-    require_answers,
-    stored_reference,
-    write_fclib,
-)
+from . import fclib_file as fclib
 from .problem_file import ProblemSet, joined, read_attributes, read_labels, read_problems, write_problems
 from .programme_file import read_npz, read_qps, write_npz, write_qps
 
 VARIABLE = "problem"
-FIELDS = (*VARIABLES, *REFERENCE_VARIABLES)
+FIELDS = (*VARIABLES, *fclib.VARIABLES)
 FIELD_LENGTH_LIMIT = 31  # of a field's name in version 5
 
 
@@ -57,14 +49,14 @@ def write_mat(problems: ProblemSet | Sequence[ContactProblem], path: str | os.Pa
     from scipy.io.matlab import MatWriteError
 
     problems = ProblemSet.of(problems)
-    require_answers(problems.problems, problems.answers)
+    fclib.require_answers(problems.problems, problems.answers)
     for name in problems.labels:
         if name in FIELDS or not (name.isidentifier() and name.isascii() and len(name) <= FIELD_LENGTH_LIMIT):
             raise InputError(
                 f"label = {name!r}: must be a name of letters, digits and underscores, {FIELD_LENGTH_LIMIT} at most, "
                 "that the file does not use itself"
             )
-    names = [*VARIABLES, *(REFERENCE_VARIABLES if problems.answers is not None else ()), *problems.labels]
+    names = [*VARIABLES, *(fclib.VARIABLES if problems.answers is not None else ()), *problems.labels]
     array = np.zeros((1, len(problems.problems)), dtype=[(name, object) for name in names])
     for i in range(len(problems.problems)):
         fields = _fields(problems, i)
@@ -107,7 +99,7 @@ def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
             problems.append(_problem(element))
         except InputError as error:
             raise InputError(f"{path}: problem {i}: {error}") from error
-    answers = [stored_reference(p, element) for p, element in zip(problems, elements, strict=True)]
+    answers = [fclib.stored_reference(p, element) for p, element in zip(problems, elements, strict=True)]
     whole = [answer for answer in answers if answer is not None]
     return ProblemSet(problems, _labels(elements), whole if len(whole) == len(problems) else None)
 
@@ -115,7 +107,7 @@ def read_mat(path: str | os.PathLike[str]) -> ProblemSet:
 def _fields(problems: ProblemSet, i: int) -> dict[str, Any]:
     """Fields of one problem; vectors as columns."""
     answer = problems.answer(i)
-    numbers = problem_numbers(problems.problems[i]) | ({} if answer is None else reference_numbers(answer))
+    numbers = problem_numbers(problems.problems[i]) | ({} if answer is None else fclib.reference_numbers(answer))
     fields = {name: np.reshape(values, (-1, 1)) if np.ndim(values) == 1 else values for name, values in numbers.items()}
     for name, value in problems.label(i).items():
         fields[name] = str(value) if np.asarray(value).dtype.kind in "OUST" else value
@@ -312,11 +304,11 @@ def _title(problems: ProblemSet) -> str:
 
 def _read_nc(path: str | os.PathLike[str]) -> ProblemSet:
     problems = read_problems(path)
-    return ProblemSet(problems, read_labels(path), read_references(path, problems), read_attributes(path))
+    return ProblemSet(problems, read_labels(path), fclib.read_references(path, problems), read_attributes(path))
 
 
 def _read_fclib(path: str | os.PathLike[str]) -> ProblemSet:
-    problem, answer = read_fclib(path)
+    problem, answer = fclib.read_fclib(path)
     return ProblemSet([problem], {}, None if answer is None else [answer])
 
 
@@ -348,6 +340,6 @@ FORMATS = {
     "hdf5": ProblemFormat(
         "FCLib",
         _read_fclib,
-        lambda given, path, _: write_fclib(given.problems[0], path, answer=given.answer(0), name=_title(given)),
+        lambda given, path, _: fclib.write_fclib(given.problems[0], path, answer=given.answer(0), name=_title(given)),
     ),
 }

@@ -76,7 +76,10 @@ def write_npz(problem: ContactProblem, path: str | os.PathLike[str], *, form: st
         with temporary.open("wb") as file:
             programme.save(file)
         with zipfile.ZipFile(temporary, "a") as archive:
-            for name, values in _own_arrays(problem).items():
+            scales = {"scale_force": problem.scaling.force, "scale_rotation": problem.scaling.rotation}
+            numbers = {f"contact_{name}": values for name, values in problem_numbers(problem).items()}
+            first = {"first_contact_rotation": problem.first_contact_rotation}
+            for name, values in (scales | first | numbers).items():
                 with archive.open(f"{name}.npy", "w", force_zip64=True) as entry:
                     np.lib.format.write_array(entry, np.asarray(values), allow_pickle=False)
 
@@ -114,7 +117,10 @@ def read_npz(path: str | os.PathLike[str]) -> ContactProblem:
     """
     arrays = read_arrays(path)
     try:
-        return problem_of_numbers(_own_data(arrays) if "contact_separation" in arrays else _foreign_data(arrays))
+        if "contact_separation" not in arrays:
+            return problem_of_numbers(_foreign_data(arrays))
+        names = number_names("contact_compliance_factor" in arrays)
+        return problem_of_numbers({name: arrays[f"contact_{name}"] for name in names})
     except InputError as error:
         raise InputError(f"{path}: {error}") from error
     except KeyError as error:
@@ -131,19 +137,6 @@ def _programme(problem: ContactProblem, form: str) -> Any:
         if matrix is not None and not isinstance(matrix, np.ndarray):
             setattr(programme, name, matrix.toarray())
     return programme
-
-
-def _own_arrays(problem: ContactProblem) -> dict[str, Any]:
-    return {
-        "scale_force": problem.scaling.force,
-        "scale_rotation": problem.scaling.rotation,
-        "first_contact_rotation": problem.first_contact_rotation,
-        **{f"contact_{name}": values for name, values in problem_numbers(problem).items()},
-    }
-
-
-def _own_data(arrays: Arrays) -> dict[str, Any]:
-    return {name: arrays[f"contact_{name}"] for name in number_names("contact_compliance_factor" in arrays)}
 
 
 def _foreign_data(arrays: Arrays) -> dict[str, Any]:

@@ -13,7 +13,7 @@ import os
 import time
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import suppress
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass, field, fields
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement
 from pathlib import Path
@@ -27,6 +27,7 @@ from scipy.stats import qmc
 from ....core import checks
 from ....core.attributes import labelled
 from ....core.checkpoint import Checkpoint, digest
+from ....core.checks import bounded
 from ....core.errors import EaseoffError, InputError, MissingPackageError, how_to_install
 from ....core.netcdf_file import read_dataset, write_netcdf
 from ....core.output_file import check_writable
@@ -44,13 +45,13 @@ from ..shear_traction import BOUNDARY_FRICTION, traction
 EYRING_STRESS = 5e6
 #: Units of the parameters and their ranges in these units: the oil is known at these temperatures, and beyond the
 #: pressure nothing is a Hertz contact of steel (``LubricatedContact`` refuses it).
-LEVELS: dict[str, tuple[str, dict[str, Any]]] = {
-    "hertz_pressure": ("GPa", {"above": 0.0, "most": PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9}),
-    "equivalent_radius": ("mm", {"above": 0.0}),
-    "rolling_velocity": ("m/s", {"above": 0.0}),
-    "slide_to_roll": ("1", {"least": -2.0, "most": 2.0}),
-    "temperature": ("degC", {"least": 25.0, "most": 100.0}),
-    **dict.fromkeys(("roughness", "roughness_1", "roughness_2"), ("um", {"above": 0.0})),
+LEVELS = {
+    "hertz_pressure": bounded("GPa", above=0.0, most=PRESSURE_PARAMETER_LIMIT * STEEL_MODULUS * 1e-9),
+    "equivalent_radius": bounded("mm", above=0.0),
+    "rolling_velocity": bounded("m/s", above=0.0),
+    "slide_to_roll": bounded(least=-2.0, most=2.0),
+    "temperature": bounded("degC", least=25.0, most=100.0),
+    "roughness": bounded("um", above=0.0),
 }
 
 
@@ -66,27 +67,20 @@ def oil_75w90(temperature: float) -> Oil:
     )
 
 
-def _level(name: str, value: Any) -> float:
-    """Return a level of a parameter, checked."""
-    unit, bounds = LEVELS[name]
-    return checks.number(name, value, unit, **bounds)
-
-
 @dataclass(frozen=True)
 class Condition:
     """One combination of the study, in its units, checked against the range of a contact and of the oil."""
 
-    hertz_pressure: float  # [GPa]
-    equivalent_radius: float  # [mm]
-    rolling_velocity: float  # [m/s]
-    slide_to_roll: float
-    temperature: float  # oil in the inlet [degC]
-    roughness_1: float  # rms [um]
-    roughness_2: float
+    hertz_pressure: float = field(metadata=LEVELS["hertz_pressure"])
+    equivalent_radius: float = field(metadata=LEVELS["equivalent_radius"])
+    rolling_velocity: float = field(metadata=LEVELS["rolling_velocity"])
+    slide_to_roll: float = field(metadata=LEVELS["slide_to_roll"])
+    temperature: float = field(metadata=LEVELS["temperature"])  # oil in the inlet
+    roughness_1: float = field(metadata=LEVELS["roughness"])  # rms
+    roughness_2: float = field(metadata=LEVELS["roughness"])
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            _level(field.name, getattr(self, field.name))
+        checks.check_fields(self)
 
     @property
     def contact(self) -> LubricatedContact:
@@ -131,15 +125,15 @@ class Design:
     roughness: tuple[float, ...] = (0.1, 0.35, 0.6, 0.85, 1.0)
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            levels = getattr(self, field.name)
+        for name, bounds in LEVELS.items():
+            levels = getattr(self, name)
             if not isinstance(levels, list | tuple | np.ndarray) or getattr(levels, "ndim", 1) != 1 or not len(levels):
-                raise InputError(f"{field.name} = {checks.shown(levels)}: must be levels in a row, such as (1.0, 2.0)")
-            object.__setattr__(self, field.name, tuple(_level(field.name, level) for level in levels))
+                raise InputError(f"{name} = {checks.shown(levels)}: must be levels in a row, such as (1.0, 2.0)")
+            object.__setattr__(self, name, tuple(checks.number(name, level, **bounds) for level in levels))
 
     @cached_property
     def _axes(self) -> tuple[tuple[Any, ...], ...]:
-        *single, roughness = (getattr(self, field.name) for field in fields(self))
+        *single, roughness = (getattr(self, name) for name in LEVELS)
         return (*single, tuple(combinations_with_replacement(roughness, 2)))
 
     @property
@@ -284,39 +278,23 @@ class Resolution:
     """
 
     model: Literal["load_sharing", "passage"] = "load_sharing"
-    correlation_length: float = 20e-6
-    points: float = 3.0
-    fewest: int = 257
-    most: int = 1025
-    travel: float = 30.0
-    smooth_from: float = 3.0
-    flooded: float = ROUGH_INLET_GAP_RATIO
-    order: int = 2
+    correlation_length: float = field(default=20e-6, metadata=bounded("m", above=0.0))
+    points: float = field(default=3.0, metadata=bounded(above=0.0))
+    fewest: int = field(default=257, metadata=bounded(least=FEWEST_NODES, most=MOST_NODES))
+    most: int = field(default=1025, metadata=bounded(least=FEWEST_NODES, most=MOST_NODES))
+    travel: float = field(default=30.0, metadata=bounded(least=0.0))
+    smooth_from: float = field(default=3.0, metadata=bounded(least=0.0, infinite=True))
+    flooded: float = field(default=ROUGH_INLET_GAP_RATIO, metadata=bounded(above=1.0))
+    order: int = field(default=2, metadata=bounded(least=1, most=2))
     seed: int = 1
-    touching_film: float = TOUCHING_FILM
-    boundary_friction: float = BOUNDARY_FRICTION
+    touching_film: float = field(default=TOUCHING_FILM, metadata=bounded("m", above=0.0))
+    boundary_friction: float = field(default=BOUNDARY_FRICTION, metadata=bounded(least=0.0))
     thermal: bool = True
 
     def __post_init__(self) -> None:
-        checks.one_of("model", self.model, ("load_sharing", "passage"))
-        checked = {
-            "correlation_length": checks.positive("correlation_length", self.correlation_length, "m"),
-            "points": checks.positive("points", self.points, "1"),
-            "fewest": checks.whole("fewest", self.fewest, FEWEST_NODES, MOST_NODES),
-            "most": checks.whole(
-                "most", self.most, self.fewest if self.model == "passage" else FEWEST_NODES, MOST_NODES
-            ),
-            "travel": checks.positive("travel", self.travel, "1", zero=True),
-            "smooth_from": checks.positive("smooth_from", self.smooth_from, "1", zero=True, infinite=True),
-            "flooded": checks.number("flooded", self.flooded, above=1.0),
-            "order": checks.whole("order", self.order, 1, 2),
-            "seed": checks.whole("seed", self.seed, 0),
-            "touching_film": checks.positive("touching_film", self.touching_film, "m"),
-            "boundary_friction": checks.positive("boundary_friction", self.boundary_friction, "1", zero=True),
-            "thermal": checks.truth("thermal", self.thermal),
-        }
-        for name, value in checked.items():
-            object.__setattr__(self, name, value)
+        checks.check_fields(self)
+        if self.model == "passage":
+            checks.whole("most", self.most, self.fewest, MOST_NODES)
 
 
 Row = dict[str, float]
@@ -522,7 +500,7 @@ def run_study(
     dataset = study_dataset(design, {number: known.get(number, not_run) for number in conditions})
     dataset.attrs |= {name: int(v) if isinstance(v, bool) else v for name, v in asdict(resolution).items()}
     dataset.attrs["model_version"] = MODEL_VERSION
-    write_netcdf(dataset, target, {str(name): {"zlib": True} for name in dataset.data_vars})
+    write_netcdf(dataset, target)
     return dataset
 
 

@@ -40,7 +40,6 @@ class QuantityKind:
     """Composite and variable of ``SolvedContact`` that give a quantity."""
 
     units: str
-    long_name: str
     kind: Kind
     variable: str
     member: str | None = None
@@ -51,33 +50,20 @@ class QuantityKind:
         return self.variable not in ("unloaded_transmission_error_envelope", "ease_off", "blade_tip_gap")
 
 
-_ERROR = "loaded transmission error"
 KINDS: dict[str, QuantityKind] = {
-    "peak_to_peak": QuantityKind("urad", f"peak to peak of the {_ERROR}", "range", "transmission_error"),
-    "max_pressure": QuantityKind("MPa", "greatest contact pressure", "greatest", "pressure"),
-    "unloaded_peak_to_peak": QuantityKind(
-        "urad", "peak to peak of the unloaded transmission error", "range", "unloaded_transmission_error_envelope"
-    ),
+    "peak_to_peak": QuantityKind("urad", "range", "transmission_error"),
+    "max_pressure": QuantityKind("MPa", "greatest", "pressure"),
+    "unloaded_peak_to_peak": QuantityKind("urad", "range", "unloaded_transmission_error_envelope"),
+    "pinion_root_stress": QuantityKind("MPa", "greatest", "root_stress_history", "pinion"),
+    "gear_root_stress": QuantityKind("MPa", "greatest", "root_stress_history", "gear"),
+    "mean_power_loss": QuantityKind("W", "greatest", "mean_power_loss"),  # at the worst operating condition
     **{
-        f"{member}_root_stress": QuantityKind(
-            "MPa", f"greatest root stress of the {member}", "greatest", "root_stress_history", member=member
-        )
-        for member in ("pinion", "gear")
-    },
-    "mean_power_loss": QuantityKind(
-        "W", "mean power loss, at the worst operating condition", "greatest", "mean_power_loss"
-    ),
-    **{
-        f"load_{what}_{way}": QuantityKind("1", f"{words} of the load, {way}", "affine", f"load_{what}_{way}")
-        for what, words in (("centre", "centre"), ("extent", "root-mean-square extent"))
+        f"load_{what}_{way}": QuantityKind("1", "affine", f"load_{what}_{way}")
+        for what in ("centre", "extent")
         for way in ("lengthwise", "profile")
     },
-    "ease_off_change": QuantityKind(
-        "um", "greatest change of the ease-off, a rotation left out", "greatest", "ease_off"
-    ),
-    "root_line_change": QuantityKind(
-        "mm", "greatest change of the distance of blade tips from root cones", "greatest", "blade_tip_gap"
-    ),
+    "ease_off_change": QuantityKind("um", "greatest", "ease_off"),  # a rotation left out
+    "root_line_change": QuantityKind("mm", "greatest", "blade_tip_gap"),  # of blade tips from root cones
 }
 #: What a case needs for variables that not every analysis has.
 NEEDED = {
@@ -136,10 +122,7 @@ class ContactQuantity:
     def meaning(self) -> QuantityKind:
         """Its row in the table of kinds."""
         order = HARMONIC.fullmatch(self.name)
-        if order is None:
-            return KINDS[self.name]
-        name = f"amplitude of the {_ERROR} at {order[1]} times the mesh frequency"
-        return QuantityKind("urad", name, "norm", "transmission_error")
+        return KINDS[self.name] if order is None else QuantityKind("urad", "norm", "transmission_error")
 
     def composite(
         self, values: xr.Dataset, slopes: xr.Dataset | None, torque: int, start: xr.Dataset, radius: float = 0.0
@@ -150,6 +133,8 @@ class ContactQuantity:
         alone counts. ``radius`` is that of the trust region [um].
         """
         meaning = self.meaning
+        if meaning.variable not in values:
+            raise InputError(f"quantity = {shown(self.text)}: must be of a case with {NEEDED[meaning.variable]}")
         level, slope = _rows(meaning, values, slopes, torque)
         if self.name in ("ease_off_change", "root_line_change"):
             before, _ = _rows(meaning, start, None, torque)
@@ -177,8 +162,6 @@ class ContactQuantity:
 
 def _rows(meaning: QuantityKind, values: xr.Dataset, slopes: xr.Dataset | None, torque: int) -> tuple[Array, Array]:
     """Values (m) of a variable, and their derivatives (m, n)."""
-    if meaning.variable not in values:
-        raise InputError(f"{meaning.long_name}: must be of a case with {NEEDED[meaning.variable]}")
     variable = _chosen(values[meaning.variable], meaning, torque)
     level = np.asarray(variable.values, dtype=np.float64).ravel()
     if slopes is None:

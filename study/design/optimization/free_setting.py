@@ -18,13 +18,7 @@ from ....core.checks import array, shown, words
 from ....core.errors import InputError, suggestion
 from ....geometry.cutting import named_settings
 from ....geometry.cutting.generating_surface import GeneratingSurface
-from ....geometry.cutting.named_settings import (
-    USUAL_RESOLUTION,
-    MachineResolution,
-    get_setting,
-    movable_settings,
-    setting_step,
-)
+from ....geometry.cutting.named_settings import get_setting, setting_step
 from ....geometry.design.pinion_method import MACHINE_SETTINGS, TILT_SETTINGS
 from ....geometry.pair.gear_pair import FlankName, GearPair, shares_set_up
 from ....geometry.pair.near_pair import PairSetting, is_angle
@@ -108,7 +102,7 @@ def _movable(pair: GearPair, flank: FlankName) -> list[str]:
             continue
         surface = (pair.pinion if member == "pinion" else pair.gear).loaded.designed
         turns_only = short == "cradle_angle" and surface.settings.generated
-        if internal_name(key) in movable_settings(surface) and not turns_only:
+        if internal_name(key) in named_settings.movable_settings(surface) and not turns_only:
             keys.append(key)
     return keys
 
@@ -177,7 +171,7 @@ class SettingSpace:
 
     case: Case
     free: tuple[FreeSetting, ...]
-    resolution: MachineResolution = USUAL_RESOLUTION
+    resolution: named_settings.MachineResolution = named_settings.USUAL_RESOLUTION
 
     def __post_init__(self) -> None:
         for one, step in zip(self.free, self.steps.tolist(), strict=True):

@@ -37,10 +37,10 @@ ATTEMPT_COUNT, SAME_RATIO = 2, GAIN_TOLERANCE
 class FrontPoint:
     """One point of a front."""
 
-    values: Array
-    rounded: Array
+    found: Array
+    setting: Array  # rounded
     ratio: Array  # objectives of the rounded settings over those of the start (2)
-    objective: Array  # in their own units, the greatest of all loads (2)
+    value: Array  # of the objectives in their own units, the greatest of all loads (2)
     limited: Array  # quantities with a limit (k), the worst of all loads
     prices: Prices
     violation: float
@@ -55,37 +55,30 @@ class FrontPoint:
         """Its settings, analysed with their own teeth."""
         if self.outcome is not None:
             return self.outcome.point.judged_by(judgement)
-        return searching.anew(self.rounded, judgement)[0]
+        return searching.anew(self.setting, judgement)[0]
 
     def resumed(self, searching: SettingSearch, judgement: Judgement) -> Outcome:
         """The outcome of its search, analysed again if the point was read."""
         if self.outcome is not None:
             return self.outcome
-        point, case, unrounded = searching.anew(self.rounded, judgement)
+        point, case, unrounded = searching.anew(self.setting, judgement)
         effect = self.rounding_change, self.rounding_loss
         ended: Ending | None = "converged" if self.converged else None
-        return Outcome(self.values, point.values, case, point, (), ended, self.prices, *effect, unrounded)
+        return Outcome(self.found, point.values, case, point, (), ended, self.prices, *effect, unrounded)
 
 
-#: Variables of the group ``front`` that are fields of a point, or of its prices.
-POINT_FIELDS = {
-    "front_ratio": "ratio",
-    "front_value": "objective",
-    "front_limited": "limited",
-    "front_setting": "rounded",
-    "front_found": "values",
-    "front_ceiling": "ceiling",
-    "front_violation": "violation",
-    "front_converged": "converged",
-    "front_rounding_change": "rounding_change",
-    "front_rounding_loss": "rounding_loss",
-    "front_analyses": "analyses",
-}
+#: Variables of the group ``front`` that are fields of a point's prices; all others are fields of the point itself.
 PRICE_FIELDS = {
     "front_multiplier": "ceiling",
     "front_limit_multiplier": "limits",
     "front_low_multiplier": "low",
     "front_high_multiplier": "high",
+}
+POINT_FIELDS = {
+    name: name.removeprefix("front_")
+    for names in GROUPS["front"].values()
+    for name in names
+    if name not in PRICE_FIELDS
 }
 
 

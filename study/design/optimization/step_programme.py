@@ -19,7 +19,7 @@ from typing import Any, Literal, get_args
 import numpy as np
 
 from ....core.arrays import RealArray as Array, record
-from ....core.checks import one_of
+from ....core.checks import check_fields
 
 Kind = Literal["affine", "greatest", "range", "norm"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
@@ -43,7 +43,7 @@ class Composite:
     slope: Array  # (m, n) by the settings
 
     def __post_init__(self) -> None:
-        one_of("kind", self.kind, KINDS)
+        check_fields(self)
 
     def value(self, step: Array | None = None) -> float:
         """Value after a step (n) of the settings; at the present ones without."""

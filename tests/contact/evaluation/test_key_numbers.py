@@ -22,7 +22,7 @@ from easeoff.contact.evaluation.cycle_numbers import (
     contact_time,
     load_spot,
     loaded_contact_ratio,
-    mesh_stiffness,
+    mesh_stiffnesses,
     with_loaded_numbers,
     with_unloaded_numbers,
 )
@@ -346,13 +346,13 @@ def test_mesh_stiffness_is_the_difference_quotient_of_two_analyses(name: str, ed
     for low, here, high in by_position.values():
         rotation = 1e6 * (high.solution.rotation - low.solution.rotation)
         secant = cycle.ratio * 2.0 * step / rotation
-        assert mesh_stiffness(here) == pytest.approx(secant, rel=2e-3)
+        assert mesh_stiffnesses([here])[0] == pytest.approx(secant, rel=2e-3)
 
 
 def test_stiffness_of_the_tree_is_that_of_its_cases_and_grows_with_the_load() -> None:
     loaded = tree_of("fm-11x41", edges=False)["loaded"].to_dataset()
     case = coarse("fm-11x41")
-    found = [mesh_stiffness(one) for one in cycle_of("fm-11x41").solved(case.contact.torques)]
+    found = [mesh_stiffnesses([one])[0] for one in cycle_of("fm-11x41").solved(case.contact.torques)]
     np.testing.assert_allclose(loaded["mesh_stiffness"].values.T.ravel(), found, rtol=1e-6)
     np.testing.assert_allclose(loaded["mean_mesh_stiffness"], loaded["mesh_stiffness"].mean("mesh_position"))
     assert np.all(np.diff(loaded["mean_mesh_stiffness"]) > 0.0)

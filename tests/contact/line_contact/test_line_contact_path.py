@@ -24,9 +24,9 @@ from easeoff.contact import (
     torque_path,
 )
 from easeoff.contact.compliance.weber_line_contact import WeberLineContact
-from easeoff.contact.evaluation.cycle_numbers import mesh_stiffness
+from easeoff.contact.evaluation.cycle_numbers import mesh_stiffnesses
 from easeoff.contact.line_contact.line_contact_path import solved_at
-from easeoff.contact.line_contact.line_contact_solution import LineContact, solve_line_contact
+from easeoff.contact.line_contact.line_contact_solution import LineContact, solve_on_bending
 from easeoff.contact.solvers.solution import no_solution
 from easeoff.geometry import pair_geometry
 from easeoff.verification import problems
@@ -64,7 +64,7 @@ def line_of_contact(size: int = 15) -> tuple[ContactProblem, WeberLineContact]:
 
 def solved(bending: ContactProblem, contact: LineContact, torque: float) -> ContactSolution:
     data = bending.separation, bending.lever_arm, torque, bending.compliance
-    return solve_line_contact(*data, contact)[0]
+    return solve_on_bending(ContactProblem(*data), contact)[0]
 
 
 def test_constant_law_has_the_path_of_the_linear_problem() -> None:
@@ -210,7 +210,7 @@ def test_mesh_stiffness_is_the_derivative_of_the_torque_by_the_rotation() -> Non
         bending = here.bending_problem.with_torque(case.problem.torque)
         slope = line_contact_sensitivity(bending, here.line_contact, case.solution)
         stiffness = 1e-9 / slope.forward(torque=1.0).rotation
-        assert mesh_stiffness(case) == pytest.approx(stiffness, rel=1e-12)
+        assert mesh_stiffnesses([case])[0] == pytest.approx(stiffness, rel=1e-12)
 
 
 @pytest.mark.thorough

@@ -12,7 +12,7 @@ from solver_choice import installed
 
 from easeoff import InputError, MissingSolverError
 from easeoff.contact import SOLVERS, ContactProblem, ContactSolution, Status, solve
-from easeoff.contact.line_contact.line_contact_solution import LineContact, NewtonIteration, solve_line_contact
+from easeoff.contact.line_contact.line_contact_solution import LineContact, NewtonIteration, solve_on_bending
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.verification import problems
 
@@ -114,7 +114,7 @@ def solve_on(
 ) -> tuple[ContactSolution, ContactProblem]:
     """Solve with the compliance of the problem as that of bending."""
     data = (problem.separation, problem.lever_arm, problem.torque, problem.compliance)
-    return solve_line_contact(*data, local, solver, **options)
+    return solve_on_bending(ContactProblem(*data), local, solver, **options)
 
 
 @pytest.mark.parametrize("torque", [1e-3, 1e2, 1e4, 4e5, 2e6])
@@ -339,5 +339,5 @@ def test_users_mistakes_are_errors() -> None:
     with pytest.raises(InputError, match="must be one of auto, native"):
         solve_on(problem, local, "simplex")
     with pytest.raises(InputError, match="lever_arm"):
-        solve_line_contact(problem.separation, problem.lever_arm[1:], 1.0, problem.compliance, local)
+        solve_on_bending(ContactProblem(problem.separation, problem.lever_arm[1:], 1.0, problem.compliance), local)
     assert issubclass(MissingSolverError, ImportError)

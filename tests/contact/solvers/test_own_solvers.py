@@ -37,7 +37,7 @@ from easeoff.contact import (
     solve,
     write_problems,
 )
-from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
+from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.problem.complementary_pivoting import lemke
 from easeoff.contact.solvers import backend_solution as backend_solution_module, solver_declaration
 from easeoff.contact.solvers.backend_solution import backend_solution
@@ -663,10 +663,10 @@ def test_two_distributions_with_one_name_are_told_apart(installed: Path) -> None
 
 def test_line_contacts_are_solved_by_a_function() -> None:
     data, contact = three_segments()
-    reference, _ = solve_line_contact(*data, contact)
-    found, _ = solve_line_contact(*data, contact, by_daqp)
+    reference, _ = solve_on_bending(ContactProblem(*data), contact)
+    found, _ = solve_on_bending(ContactProblem(*data), contact, by_daqp)
     assert found.force == pytest.approx(reference.force, rel=1e-9)
-    loose, _ = solve_line_contact(*data, contact, Solver("mine", by_daqp, tolerance=1e-6), polish=False)
+    loose, _ = solve_on_bending(ContactProblem(*data), contact, Solver("mine", by_daqp, tolerance=1e-6), polish=False)
     assert loose.certified
     assert loose.tolerance == 1e-6
 

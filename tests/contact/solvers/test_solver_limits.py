@@ -13,7 +13,7 @@ from solver_choice import BACKENDS, CHOLESKY, installed
 
 from easeoff import InputError
 from easeoff.contact import SOLVERS, ContactProblem, Status, solve
-from easeoff.contact.line_contact.line_contact_solution import solve_line_contact
+from easeoff.contact.line_contact.line_contact_solution import solve_on_bending
 from easeoff.contact.problem.certificate import EXACT_TOLERANCE
 from easeoff.contact.solvers.native import METHODS
 from easeoff.contact.solvers.registry import start_force
@@ -225,8 +225,8 @@ def test_limits_hold_for_line_contacts() -> None:
         Status.TIME_LIMIT: {"time_limit": 0.0},
     }
     for status, limits in statuses.items():
-        assert solve_line_contact(*data, contact, **limits)[0].status is status
-        assert solve_line_contact(*data, contact, "clarabel", polish=False, **limits)[0].status is status
+        assert solve_on_bending(ContactProblem(*data), contact, **limits)[0].status is status
+        assert solve_on_bending(ContactProblem(*data), contact, "clarabel", polish=False, **limits)[0].status is status
 
 
 def test_dense_problem_has_limits_too() -> None:
