@@ -210,7 +210,7 @@ def test_pinion_tooth_takes_what_the_gear_leaves(name: str) -> None:
     blanks, both = report.blank, sum(mean_thickness(case, report, number) for number in (0, 1))
     assert both == pytest.approx(blanks.pinion.mean_normal_thickness + blanks.gear.mean_normal_thickness, abs=0.06)
     lost = math.pi * blanks.mean_normal_module - blanks.pinion.mean_normal_thickness - blanks.gear.mean_normal_thickness
-    assert circular_backlash(gear_pair(case)) == pytest.approx(lost, abs=2e-3)
+    assert circular_backlash(gear_pair(case)) == pytest.approx(lost, rel=0.06, abs=2e-3)  # mid-flank
 
 
 MISTAKES = {
