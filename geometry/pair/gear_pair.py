@@ -88,10 +88,7 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift
         "ease_off": 1e3 * angle * ease_off.lever_arm,
         "ease_off_angle": angle,
         **{name: getattr(ease_off, name) for name in NODE_FIELDS},
-        "pinion_lengthwise_rate": drift.lengthwise[0],
-        "pinion_profile_rate": drift.profile[0],
-        "pinion_lengthwise_acceleration": drift.lengthwise[1],
-        "pinion_profile_acceleration": drift.profile[1],
+        **drift.of_fractions,
         "blade_distance": ease_off.blade_distance,
     }
     motion = ease_off.motion
