@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...core.arrays import shared_fields
-from ...core.checks import number
+from ...core.checks import array, number
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
@@ -58,13 +58,9 @@ class ToothProportions:
     blade_flat: float = BLADE_FLAT
 
     def __post_init__(self) -> None:
-        for name, value in (
-            ("stock_allowance of the pinion", self.stock_allowance[0]),
-            ("stock_allowance of the gear", self.stock_allowance[1]),
-            ("fillet_mutilation", self.fillet_mutilation),
-            ("blade_flat", self.blade_flat),
-        ):
-            number(name, value, "mm", least=0.0)
+        array("stock_allowance", self.stock_allowance, "mm", ndim=1, size=2, least=0.0)
+        for name in ("fillet_mutilation", "blade_flat"):
+            number(name, getattr(self, name), "mm", least=0.0)
 
     @classmethod
     def of(
