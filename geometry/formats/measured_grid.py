@@ -429,7 +429,7 @@ def is_table(content: str) -> bool:
 
 
 def parsed_table(content: str, source: str, member: Member | None) -> xr.Dataset:
-    """Measured grid of a table in a text file, whose comments must say what it holds; bad lines are refused by number."""
+    """Measured grid of a table in a text file, whose comments say what it holds; bad lines are refused by number."""
     attributes, lines = parted(content, source)
     first, head = lines[0]
     mark = separator(head)
