@@ -372,15 +372,13 @@ class PairGeometry:
         GeometryError
             If a cutter meets no tooth of its blank, or the flanks do not meet.
         """
-        old_members = self.members
-        pinion, gear = (
-            flank if member.loaded == before.loaded else member.flank(old_members.lengthwise, old_members.profile)
-            for member, before, flank in (
-                (pair.pinion, self.pair.pinion, old_members.pinion),
-                (pair.gear, self.pair.gear, old_members.gear),
-            )
-        )
-        members = MemberGeometry(old_members.lengthwise, old_members.profile, pinion, gear, old_members.bodies)
+        known = self.members
+
+        def flank(member: Member, before: Member, old: Flank) -> Flank:
+            return old if member.loaded == before.loaded else member.flank(known.lengthwise, known.profile)
+
+        pinion, gear = flank(pair.pinion, self.pair.pinion, known.pinion), flank(pair.gear, self.pair.gear, known.gear)
+        members = MemberGeometry(known.lengthwise, known.profile, pinion, gear, known.bodies)
         return _in_mesh(pair, members, _exact_ease_off(pair, gear))
 
 
