@@ -111,14 +111,7 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
     crown = crown_gear(design, gear_angle, gear_distance, cones.gear_mean_spiral_angle)
     outer_spiral, inner_spiral = crown.spiral_angle(outer_reach), crown.spiral_angle(inner_reach)
     gear_outer_spiral = crown.spiral_angle(mean.gear_outer)
-    changes = thickness_modification(
-        design,
-        mean.mean_normal_module,
-        depth.thickness_modification_coefficient,
-        pressure.mean_normal_pressure_angle,
-        (cones.gear_mean_spiral_angle, gear_outer_spiral),
-        (gear_distance, mean.gear_outer),
-    )
+    changes = thickness_modification(design, cones, mean, pressure, depth, gear_outer_spiral)
     both: dict[str, tuple[Any, Any]] = {
         "number_of_teeth": design.number_of_teeth,
         "pitch_angle": (cones.pinion_pitch_angle, gear_angle),
@@ -434,20 +427,18 @@ def _gleason_face_width(design: BlankDesign, cones: PitchCones, depth: ToothDept
 
 def thickness_modification(
     design: BlankDesign,
-    module: float,
-    theoretical: float,
-    normal_pressure_angle: float,
-    spiral_angles: tuple[float, float],
-    cone_distances: tuple[float, float],
+    cones: PitchCones,
+    mean: _MeanPoint,
+    pressure: PressureAngles,
+    depth: ToothDepth,
+    outer_spiral: float,
 ) -> tuple[float, float]:
     """Coefficients x_sm1, x_sm2, half the backlash taken off each member (formulas 202 to 210).
 
-    ``theoretical`` is x_smn, without backlash; spiral angles [rad] and cone distances [mm] are the gear's (mean,
-    outer).
+    ``outer_spiral`` is the gear's spiral angle at the heel [rad].
     """
-    mean_spiral, outer_spiral = spiral_angles
-    scale = cone_distances[0] / cone_distances[1]
-    normal = 1.0 / math.cos(normal_pressure_angle)
+    mean_spiral, scale = cones.gear_mean_spiral_angle, cones.gear_mean_cone_distance / mean.gear_outer
+    normal = 1.0 / math.cos(pressure.mean_normal_pressure_angle)
     factors = (
         (design.outer_normal_backlash, normal * scale * math.cos(mean_spiral) / math.cos(outer_spiral)),
         (design.outer_transverse_backlash, scale * math.cos(mean_spiral)),
@@ -456,4 +447,5 @@ def thickness_modification(
     )
     # normal to the tooth at the mean point, as the circular thickness that both members lose together
     lost = sum(backlash * factor for backlash, factor in factors if backlash is not None)
-    return theoretical - lost / (4.0 * module), -theoretical - lost / (4.0 * module)
+    theoretical, each = depth.thickness_modification_coefficient, lost / (4.0 * mean.mean_normal_module)
+    return theoretical - each, -theoretical - each

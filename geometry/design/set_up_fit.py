@@ -44,7 +44,7 @@ class MeanSlot:
         self.point = np.array(member.mean_point)[:, None]
         #: (2, 1) on concave and convex flank
         self.parameters = [solve_flank(surface, section, *self.point).parameters for surface in (concave, convex)]
-        self.width_per_angle = self.point[1, 0] * math.cos(member.mean_spiral_angle)  # normal, about the axis [mm/rad]
+        self.width_per_angle = float(self.point[1, 0]) * math.cos(member.mean_spiral_angle)  # normal [mm/rad]
         self.wanted = math.pi * blank.mean_normal_module - member.mean_normal_thickness  # normal width [mm]
 
     def width(self, concave: GeneratingSurface, convex: GeneratingSurface) -> float:

@@ -210,14 +210,9 @@ class SlotWidths:
         return np.asarray(np.fmax(self.width.max(axis=1), self.at_involute))
 
     @property
-    def limit_point_width(self) -> Array:
-        """Largest point widths that fit the slots of pinion and gear, less the stock allowance (2) [mm] (90, 91)."""
-        return np.asarray(self.least - np.array(self.line.proportions.stock_allowance))
-
-    @property
     def roughing_blade_point(self) -> Array:
-        """Least widths of the tips of roughing blades (2) [mm] (92, 93)."""
-        return self.limit_point_width / 2.0 + BLADE_OVERLAP
+        """Least widths of the tips of roughing blades (2) [mm] (90 to 93): slots less the stock allowance, halved."""
+        return np.asarray((self.least - np.array(self.line.proportions.stock_allowance)) / 2.0 + BLADE_OVERLAP)
 
     @property
     def finishing_blade_point(self) -> Array:

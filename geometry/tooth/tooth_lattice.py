@@ -31,7 +31,7 @@ from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
 from .tooth_flanks import named_member
-from .tooth_surface import ToothSide, tooth_surface
+from .tooth_surface import ToothSide, azimuth, between, tooth_surface
 
 
 @dataclass(frozen=True)
@@ -155,12 +155,12 @@ def numbered(
     size: LatticeSize,
     body: tuple[int, int],
     normal: Array,
-    fractions: tuple[Array, Array, Array],
+    spacing: LatticeSpacing,
     profile: Array,
 ) -> ToothLattice:
     """The lattice; of each section's nodes (nt, per section, 3) the body's (columns, rows) come first."""
     columns, rows = body
-    t, through, up = fractions
+    t = spacing.lengthwise
     in_body = np.arange(columns * rows).reshape(columns, rows)
     beside, first = 2 * size.beside, 2 * (size.beside + size.slot)
     last = columns - first
@@ -189,8 +189,8 @@ def numbered(
         t,
         profile,
         np.moveaxis(tooth[:, None, None] + floors, 1, 0),
-        through,
-        up,
+        spacing.through,
+        spacing.upward,
         len(in_the_body),
         whole[:, None, None] + in_body,
     )
@@ -448,9 +448,8 @@ def tooth_lattice(
     except GeometryError as error:
         raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)
-    azimuths = [np.arctan2(tip[1], tip[0]) for tip in (tooth.loaded.flank[:, :, -1], tooth.opposite.flank[:, :, -1])]
-    swing = np.mod(turn * (azimuths[1] - azimuths[0]) + np.pi, 2.0 * np.pi) - np.pi
-    sections = LatticeSections(blank, t, turn, azimuths[0] + 0.5 * turn * swing)
+    tip, other_tip = tooth.loaded.flank[:, :, -1], tooth.opposite.flank[:, :, -1]
+    sections = LatticeSections(blank, t, turn, azimuth(tip) + 0.5 * turn * between(tip, other_tip, turn))
     pitch = 2.0 * np.pi / named_member(pair, member).teeth
 
     floors, sides = [], []
@@ -473,7 +472,7 @@ def tooth_lattice(
     ends = [overhang(sections, body, 0, away, web), overhang(sections, body, -1, away)]
 
     profile, normal = sides[0][1] / sections.depth[:, None], _flank_normals(sections, tooth.loaded, up)
-    return numbered(nodes, ends, size, body.shape[2:], normal, (t, through, up), profile)
+    return numbered(nodes, ends, size, body.shape[2:], normal, spacing, profile)
 
 
 def _corner(side: ToothSide) -> int:
