@@ -79,12 +79,12 @@ def shared_geometry() -> Iterator[None]:
     from easeoff.geometry.pair.ease_off import exact_ease_off
     from easeoff.geometry.pair.gear_pair import pair_geometry
     from easeoff.geometry.pair.tooth_body import middle_angle, tooth_body
-    from easeoff.geometry.pair.tooth_thickness import _mean_flanks
+    from easeoff.geometry.pair.tooth_thickness import mean_flanks
     from easeoff.geometry.tooth.tooth_surface import tooth_side
 
     computed: dict[Callable[..., Any], int] = {
         **dict.fromkeys((pair_geometry, exact_ease_off, tooth_body, tooth_side, body_modes), GEOMETRY_COUNT),
-        **dict.fromkeys((middle_angle, _mean_flanks), MIDDLE_COUNT),
+        **dict.fromkeys((middle_angle, mean_flanks), MIDDLE_COUNT),
     }
     with pytest.MonkeyPatch.context() as patch:
         for compute, count in computed.items():

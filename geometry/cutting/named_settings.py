@@ -142,11 +142,8 @@ def usual_settings(surface: GeneratingSurface) -> tuple[str, ...]:
 
 def movable_settings(surface: GeneratingSurface) -> tuple[str, ...]:
     """Settings of a surface that can be moved, but for its higher-order motions; a Formate flank has no roll."""
-    settings = surface.settings
-    without = set() if settings.indexing_ratio != 0.0 else {"rake_angle", "hook_angle"}
-    without |= set() if settings.cutter_tilt != 0.0 else set(TILTS)
-    without |= set() if settings.generated else {"ratio_of_roll", *MODIFIED_ROLL_ORDERS}
-    return tuple(name for name in (*BLADE_SETTINGS, *MACHINE_STEPS, *MODIFIED_ROLL_ORDERS) if name not in without)
+    held = _held(surface)
+    return tuple(name for name in (*BLADE_SETTINGS, *MACHINE_STEPS, *MODIFIED_ROLL_ORDERS) if name not in held)
 
 
 def free_settings(surface: GeneratingSurface, given: Sequence[str] | None) -> tuple[str, ...]:
@@ -160,20 +157,23 @@ def free_settings(surface: GeneratingSurface, given: Sequence[str] | None) -> tu
         if names.count(name) > 1:
             raise InputError(f"free setting = {name!r}: must be named once")
         if name not in allowed and not (rolled and MOTION_PATTERN.fullmatch(name)):
-            why = _reason(name) or suggestion(name, allowed)
+            why = NO_ROLL if MOTION_PATTERN.fullmatch(name) else _held(surface).get(name, suggestion(name, allowed))
             raise InputError(f"free setting = {name!r}: must be one of {', '.join(allowed)}{motions}{why}")
     return names
 
 
-def _reason(name: str) -> str:
-    """Reason why a setting that exists elsewhere cannot be moved here."""
-    if name == "ratio_of_roll" or name in MODIFIED_ROLL_ORDERS or MOTION_PATTERN.fullmatch(name):
-        return "; this member is Formate and has no roll"
-    if name in TILTS:
-        return "; the cutter of this machine is not tilted"
-    if name in BLADE_SETTINGS:
-        return "; a face-milling blade sweeps a surface of revolution"
-    return ""
+NO_ROLL = "; this member is Formate and has no roll"
+
+
+def _held(surface: GeneratingSurface) -> dict[str, str]:
+    """Settings that exist elsewhere and cannot be moved here, and why."""
+    settings = surface.settings
+    blade = ("rake_angle", "hook_angle") if settings.indexing_ratio == 0.0 else ()
+    return {
+        **dict.fromkeys(blade, "; a face-milling blade sweeps a surface of revolution"),
+        **dict.fromkeys(TILTS if settings.cutter_tilt == 0.0 else (), "; the cutter of this machine is not tilted"),
+        **dict.fromkeys(() if settings.generated else ("ratio_of_roll", *MODIFIED_ROLL_ORDERS), NO_ROLL),
+    }
 
 
 LARGEST_STEP = 10.0  # mm or degrees

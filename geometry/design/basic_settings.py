@@ -17,13 +17,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import get_args
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ...core.arrays import Array
-from ...core.checks import instance, number, one_of, positive, truth, whole
+from ...core.checks import bounded, check_fields, instance, number
 from ...core.errors import GeometryError
 from ..cutting.blade import Blade, BladeSide
 from ..cutting.generating_surface import Flanks, GeneratingSurface, Hand
@@ -129,24 +128,19 @@ class _GearCut:
     """Cutting of a gear: Formate without a ratio of roll, face-milled without blade groups."""
 
     blank: BlankDimensions
-    cutter_radius: float
+    cutter_radius: float = field(metadata=bounded("mm", above=0.0))
     hand: Hand
-    groups: int
+    number_of_blade_groups: int = field(metadata=bounded(most=GROUP_COUNT_LIMIT))
     corrected: bool
     steps: StandardSteps
     ratio: float | None
 
     def __post_init__(self) -> None:
-        instance("blank", self.blank, BlankDimensions)
-        positive("cutter_radius", self.cutter_radius, "mm")
-        one_of("hand", self.hand, get_args(Hand))
-        truth("corrected", self.corrected)
-        instance("steps", self.steps, StandardSteps)
-        whole("number_of_blade_groups", self.groups, 0, GROUP_COUNT_LIMIT)
+        check_fields(self)
 
     def flanks(self) -> Flanks:
         """Convex and concave flank."""
-        return self._face_hobbed() if self.groups else self._face_milled()
+        return self._face_hobbed() if self.number_of_blade_groups else self._face_milled()
 
     @property
     def _machine_center(self) -> float:
@@ -173,7 +167,7 @@ class _GearCut:
             sliding_base=(gear.root_apex - center) * math.sin(gear.root_angle),
             machine_center_to_crossing_point=center,
             ratio_of_roll=self.ratio,
-            indexing_ratio=self.groups / gear.number_of_teeth,
+            indexing_ratio=self.number_of_blade_groups / gear.number_of_teeth,
         )
 
     def _angles(self, flank: GeneratingSurface) -> MeanPointAngles:
@@ -218,7 +212,8 @@ class _GearCut:
         return flanks(self._settled(error, np.array([horizontal, vertical, point_width, drive, coast]), 2, to_steps))
 
     def _face_hobbed(self) -> Flanks:
-        blank, gear, cutter_radius, groups = self.blank, self.blank.gear, self.cutter_radius, self.groups
+        blank, gear = self.blank, self.blank.gear
+        cutter_radius, groups = self.cutter_radius, self.number_of_blade_groups
         along, height = self._mean_point
         lead_sine = groups * blank.mean_normal_module / (2.0 * cutter_radius)
         if not lead_sine < 1.0:

@@ -35,8 +35,8 @@ from .iso23509.pitch_cones import PitchCones, crown_gear, pitch_cones
 class _MeanPoint:
     """Module, ends of the gear's face and distances along the axes [mm] (formulas 116, 122, 123, 126, 129, 130)."""
 
-    module: float
-    outer_module: float
+    mean_normal_module: float
+    outer_transverse_module: float
     gear_outer: float
     gear_inner: float
     pinion_distance: float
@@ -89,7 +89,7 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
     cones = pitch_cones(design) if cones is None else cones
     mean, pressure = _mean_point(design, cones), pressure_angles(design, cones)
     gear_distance, gear_angle = cones.gear_mean_cone_distance, cones.gear_pitch_angle
-    depth = tooth_depth(design, mean.module, pressure.mean)
+    depth = tooth_depth(design, mean.mean_normal_module, pressure.mean_normal_pressure_angle)
     above, below = _gear_taper(design, cones, mean, pressure, depth)
 
     # face and root cones (formulas 140 to 153)
@@ -102,7 +102,7 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
     pinion_root = mating_cone(cones, mean.gear_apex, face_angle, above, face_apex, depth.clearance)
 
     # ends of the pinion as points of the gear's pitch plane (formulas 174, 175, 185, 186)
-    width = pinion_face_width(design, cones, mean.module, depth, pinion_face)
+    width = pinion_face_width(design, cones, mean.mean_normal_module, depth, pinion_face)
     plane_offset = gear_distance * math.sin(cones.offset_angle)
     along = gear_distance * math.cos(cones.offset_angle)
     outer_reach = math.hypot(along + width.outside, plane_offset)
@@ -111,14 +111,7 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
     crown = crown_gear(design, gear_angle, gear_distance, cones.gear_mean_spiral_angle)
     outer_spiral, inner_spiral = crown.spiral_angle(outer_reach), crown.spiral_angle(inner_reach)
     gear_outer_spiral = crown.spiral_angle(mean.gear_outer)
-    changes = thickness_modification(
-        design,
-        mean.module,
-        depth.thickness_modification_coefficient,
-        pressure.mean,
-        (cones.gear_mean_spiral_angle, gear_outer_spiral),
-        (gear_distance, mean.gear_outer),
-    )
+    changes = thickness_modification(design, cones, mean, pressure, depth, gear_outer_spiral)
     both: dict[str, tuple[Any, Any]] = {
         "number_of_teeth": design.number_of_teeth,
         "pitch_angle": (cones.pinion_pitch_angle, gear_angle),
@@ -142,21 +135,16 @@ def blank_dimensions(design: BlankDesign, cones: PitchCones | None = None) -> Bl
     }
     frames = [MemberFrame(**{name: values[member] for name, values in both.items()}) for member in (0, 1)]
     shift = depth.profile_shift_coefficient
-    pinion_blank = member_blank(frames[0], mean.module, pressure.mean, shift)
+    pinion_blank = member_blank(frames[0], mean.mean_normal_module, pressure.mean_normal_pressure_angle, shift)
     return BlankDimensions(
         pinion=pinion_blank,
-        gear=member_blank(frames[1], mean.module, pressure.mean, -shift),
-        **shared_fields(BlankDimensions, cones, pressure, depth, crown, width),
+        gear=member_blank(frames[1], mean.mean_normal_module, pressure.mean_normal_pressure_angle, -shift),
+        **shared_fields(BlankDimensions, cones, mean, pressure, depth, crown, width),
         gear_ratio=design.number_of_teeth[1] / design.number_of_teeth[0],
         root_offset_angle=pinion_face.offset_angle,
         face_offset_angle=pinion_root.offset_angle,
         pitch_plane_offset=plane_offset,
-        mean_normal_module=mean.module,
-        outer_transverse_module=mean.outer_module,
-        mean_normal_pressure_angle=pressure.mean,
-        tooth_line_radius_of_curvature=crown.mean_radius_of_curvature,
-        mean_working_depth=depth.working_depth,
-        mean_whole_depth=depth.working_depth + depth.clearance,
+        mean_whole_depth=depth.mean_working_depth + depth.clearance,
         pinion_whole_depth=_normal_whole_depth(pinion_blank),
         pinion_width_in_pitch_plane=width_in_pitch_plane(cones, mean.gear_inner, mean.gear_outer),
         pinion_inner_width_in_pitch_plane=width_in_pitch_plane(cones, mean.gear_inner, gear_distance),
@@ -201,8 +189,8 @@ def _mean_point(design: BlankDesign, cones: PitchCones) -> _MeanPoint:
     tilt = math.cos(axial) * math.tan(excess)
     along_gear = (lean * math.sin(gear_angle) - tilt * (gear_diameter + lean * math.cos(gear_angle))) / 2.0
     return _MeanPoint(
-        module=gear_diameter * math.cos(cones.gear_mean_spiral_angle) / teeth,
-        outer_module=2.0 * outer * math.sin(gear_angle) / teeth,
+        mean_normal_module=gear_diameter * math.cos(cones.gear_mean_spiral_angle) / teeth,
+        outer_transverse_module=2.0 * outer * math.sin(gear_angle) / teeth,
         gear_outer=outer,
         gear_inner=inner,
         pinion_distance=gear_diameter / 2.0 * math.cos(axial) * math.cos(excess) - along_gear * math.sin(excess),
@@ -234,7 +222,7 @@ def _gear_taper(
     total = _constant_slot_width(design, cones, mean, pressure)
     if taper == "modified_slot_width":
         total = min(total, 1.3 * standard)
-    addendum_angle = total * depth.addendum[1] / depth.working_depth
+    addendum_angle = total * depth.addendum[1] / depth.mean_working_depth
     return addendum_angle, total - addendum_angle
 
 
@@ -247,7 +235,8 @@ def _constant_slot_width(design: BlankDesign, cones: PitchCones, mean: _MeanPoin
             f"cutter_radius = {design.cutter_radius:g} mm: too small for this depth_taper, must be at least "
             f"{distance * math.sin(spiral):g} mm"
         )
-    return math.pi / 2 * mean.outer_module / (mean.gear_outer * math.tan(pressure.mean) * math.cos(spiral)) * opening
+    slope = math.tan(pressure.mean_normal_pressure_angle)
+    return math.pi / 2 * mean.outer_transverse_module / (mean.gear_outer * slope * math.cos(spiral)) * opening
 
 
 def _normal_whole_depth(pinion: MemberBlank) -> float:
@@ -292,26 +281,13 @@ def angles_of_normal(position: Array, normal: Array, pitch_angle: float, hand: H
 
 @dataclass(frozen=True)
 class PressureAngles:
-    """Normal pressure angles of both flanks [rad] (formulas 117 to 121 and 201)."""
+    """Normal pressure angles of both flanks [rad] (formulas 118 to 121 and 201)."""
 
-    limit_pressure_angle: float
     generated_drive_pressure_angle: float
     generated_coast_pressure_angle: float
-
-    @property
-    def effective_drive_pressure_angle(self) -> float:
-        """Angle against the limit flank, drive side (alpha_eD) [rad]."""
-        return self.generated_drive_pressure_angle - self.limit_pressure_angle
-
-    @property
-    def effective_coast_pressure_angle(self) -> float:
-        """Angle against the limit flank, coast side (alpha_eC) [rad]."""
-        return self.generated_coast_pressure_angle + self.limit_pressure_angle
-
-    @property
-    def mean(self) -> float:
-        """Mean of both generated angles (alpha_n) [rad]."""
-        return (self.generated_drive_pressure_angle + self.generated_coast_pressure_angle) / 2.0
+    effective_drive_pressure_angle: float  # against the limit flank (alpha_eD)
+    effective_coast_pressure_angle: float  # likewise (alpha_eC)
+    mean_normal_pressure_angle: float  # mean of both generated angles (alpha_n)
 
 
 @dataclass(frozen=True)
@@ -320,7 +296,7 @@ class ToothDepth:
 
     profile_shift_coefficient: float
     thickness_modification_coefficient: float
-    working_depth: float
+    mean_working_depth: float
     clearance: float
     addendum: tuple[float, float]
     dedendum: tuple[float, float]
@@ -350,7 +326,7 @@ def pressure_angles(design: BlankDesign, cones: PitchCones) -> PressureAngles:
     limit = cones.limit_pressure_angle
     shift = design.limit_pressure_angle_influence * limit
     drive, coast = design.nominal_drive_pressure_angle + shift, design.nominal_coast_pressure_angle - shift
-    return PressureAngles(limit, drive, coast)
+    return PressureAngles(drive, coast, drive - limit, coast + limit, (drive + coast) / 2.0)
 
 
 def tooth_depth(design: BlankDesign, module: float, normal_pressure_angle: float) -> ToothDepth:
@@ -375,7 +351,7 @@ def tooth_depth(design: BlankDesign, module: float, normal_pressure_angle: float
     return ToothDepth(
         profile_shift_coefficient=shift,
         thickness_modification_coefficient=thickness,
-        working_depth=2.0 * module * above,
+        mean_working_depth=2.0 * module * above,
         clearance=module * (below - above),
         addendum=(module * (above + shift), module * (above - shift)),
         dedendum=(module * (below - shift), module * (below + shift)),
@@ -440,7 +416,7 @@ def _gleason_face_width(design: BlankDesign, cones: PitchCones, depth: ToothDept
     contact = design.gear_face_width * math.cos(tilt) / math.cos(turn - tilt)
     # one millimetre along the pitch cone covers this much of the pinion axis, measured on the face cone
     axial = math.cos(face.angle) / math.cos(face.angle - pinion)
-    margin = depth.working_depth * abs(math.sin(face.offset_angle)) * (1.0 - 1.0 / ratio)
+    margin = depth.mean_working_depth * abs(math.sin(face.offset_angle)) * (1.0 - 1.0 / ratio)
     step = (depth.dedendum[1] - depth.clearance) * math.sin(pinion)
     raised = depth.addendum[0] * math.sin(pinion)
     share = cones.face_width_factor
@@ -451,20 +427,18 @@ def _gleason_face_width(design: BlankDesign, cones: PitchCones, depth: ToothDept
 
 def thickness_modification(
     design: BlankDesign,
-    module: float,
-    theoretical: float,
-    normal_pressure_angle: float,
-    spiral_angles: tuple[float, float],
-    cone_distances: tuple[float, float],
+    cones: PitchCones,
+    mean: _MeanPoint,
+    pressure: PressureAngles,
+    depth: ToothDepth,
+    outer_spiral: float,
 ) -> tuple[float, float]:
     """Coefficients x_sm1, x_sm2, half the backlash taken off each member (formulas 202 to 210).
 
-    ``theoretical`` is x_smn, without backlash; spiral angles [rad] and cone distances [mm] are the gear's (mean,
-    outer).
+    ``outer_spiral`` is the gear's spiral angle at the heel [rad].
     """
-    mean_spiral, outer_spiral = spiral_angles
-    scale = cone_distances[0] / cone_distances[1]
-    normal = 1.0 / math.cos(normal_pressure_angle)
+    mean_spiral, scale = cones.gear_mean_spiral_angle, cones.gear_mean_cone_distance / mean.gear_outer
+    normal = 1.0 / math.cos(pressure.mean_normal_pressure_angle)
     factors = (
         (design.outer_normal_backlash, normal * scale * math.cos(mean_spiral) / math.cos(outer_spiral)),
         (design.outer_transverse_backlash, scale * math.cos(mean_spiral)),
@@ -473,4 +447,5 @@ def thickness_modification(
     )
     # normal to the tooth at the mean point, as the circular thickness that both members lose together
     lost = sum(backlash * factor for backlash, factor in factors if backlash is not None)
-    return theoretical - lost / (4.0 * module), -theoretical - lost / (4.0 * module)
+    theoretical, each = depth.thickness_modification_coefficient, lost / (4.0 * mean.mean_normal_module)
+    return theoretical - each, -theoretical - each

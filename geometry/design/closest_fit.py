@@ -121,6 +121,7 @@ ROOT_TOLERANCE = 0.02  # [mm]; blade tips as near to the root cone are on it
 
 
 def best_fit(
+    side: FlankName,
     starts: Sequence[GearPair],
     target: EaseOffTarget,
     free: Sequence[str] | None,
@@ -131,7 +132,7 @@ def best_fit(
     """Fit that comes nearest to target and root cone: the first good one, else the best from all starts.
 
     The start of a Formate gear comes last. Blade tips further off the root cone than the clearance [mm] are not good.
-    Blades are put at their steps and the machine settings fitted once more.
+    Blades are put at their steps and the machine settings fitted once more. GeometryError if nothing meets the gear.
     """
 
     def cost(fit: Synthesis) -> float:
@@ -142,7 +143,10 @@ def best_fit(
         enough = len(starts) > 1 or fit.rms < RETRY_RESIDUAL
         return enough and is_good(fit, target, clearance if follow_root else math.inf)
 
-    (pair, fold_margin), fit = first_good(_attempts(starts, target, free, follow_root), cost, good)
+    try:
+        (pair, fold_margin), fit = first_good(_attempts(starts, target, free, follow_root), cost, good)
+    except GeometryError as error:
+        raise GeometryError(f"{side}: no pinion was found that meets the gear: {error}; {BLANK_ADVICE}") from error
 
     def again(fit: Synthesis, blade: Mapping[str, float]) -> Synthesis:
         """The fit once more, from where it ended, with settings of the blade held."""

@@ -6,7 +6,6 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from ...core.errors import GeometryError
 from ..cutting.generating_surface import Flanks, GeneratingSurface
 from ..pair.assembly import Assembly
 from ..pair.gear_pair import FlankName, GearPair, Member, left_by_cutter, thickness_per_angle
@@ -19,7 +18,7 @@ from ..pair.tooth_thickness import (
 from ..tooth.tooth_flanks import MemberName
 from .basic_settings import conjugate_pinion, crown_gear_pinion, formate_gear, generated_gear, pitch_point_azimuth
 from .blank import BlankDesign, BlankDimensions, blank_dimensions, blank_section
-from .closest_fit import BLANK_ADVICE, NO_STEPS, StandardSteps, best_fit, require_usable
+from .closest_fit import NO_STEPS, StandardSteps, best_fit, require_usable
 from .pinion_method import ADVICE, PinionMethod, SettingLimits
 from .set_up_fit import along_the_root, best_set_up
 from .slot_width import ToothCheck, allowed_edge_radius, fitting_edge_radius, require_whole_tooth, usual_edge_radii
@@ -108,8 +107,11 @@ def design_pair(
         return start(lambda k: along_the_root(made[k], blank) if upright else made[k])
 
     if method == "closest_fit":
-        rolled_ones = [crown(upright=False), crown(upright=True)] if generated else []
-        pinion = _closest([*rolled_ones, conjugate()], targets, free, follow_root, blank.clearance, steps)
+        starts = [*([crown(upright=False), crown(upright=True)] if generated else []), conjugate()]
+        pinion = {}
+        for side in SIDES:
+            sides = [each[side] for each in starts]
+            pinion[side] = best_fit(side, sides, targets[side], free, follow_root, blank.clearance, steps)
     else:
         limits = SettingLimits() if limits is None else limits
         # A tilted cutter cuts the conjugate pinion of a Formate gear, both its flanks in one set-up.
@@ -126,24 +128,6 @@ def design_pair(
         if given is None:
             designed = _with_fitting_edges(designed, name, require, steps)
     return designed
-
-
-def _closest(
-    starts: Sequence[Mapping[FlankName, GearPair]],
-    targets: Mapping[FlankName, EaseOffTarget],
-    free: Sequence[str] | None,
-    follow_root: bool,
-    clearance: float,
-    steps: StandardSteps,
-) -> dict[FlankName, Synthesis]:
-    """The closest fit of both sides."""
-    pinion: dict[FlankName, Synthesis] = {}
-    for side in SIDES:
-        try:
-            pinion[side] = best_fit([each[side] for each in starts], targets[side], free, follow_root, clearance, steps)
-        except GeometryError as error:
-            raise GeometryError(f"{side}: no pinion was found that meets the gear: {error}; {BLANK_ADVICE}") from error
-    return pinion
 
 
 def _with_fitting_edges(designed: PairDesign, name: MemberName, check: ToothCheck, steps: StandardSteps) -> PairDesign:

@@ -33,25 +33,19 @@ from .pinion_method import BLADE_SETTINGS, SettingLimits, SetUpMethod, shared_se
 from .synthesis import EaseOffResidual, EaseOffTarget, Synthesis, root_cost, root_gap
 
 
-@dataclass
 class MeanSlot:
-    """The mean point on both flanks, and the width that the blank wants between them."""
+    """The mean point on both flanks of a pinion, and the width that the blank wants between them."""
 
-    point: Array
-    width_per_angle: float  # normal width per angle about the axis [mm/rad]
-    wanted: float  # normal width [mm]
-    parameters: tuple[Array, Array]  # (2, 1) on concave and convex flank
-
-    @classmethod
-    def of(
-        cls, concave: GeneratingSurface, convex: GeneratingSurface, section: BlankSection, blank: BlankDimensions
-    ) -> MeanSlot:
-        """The slot of the pinion of a blank. Raises GeometryError if the cutter meets no tooth of it."""
+    def __init__(
+        self, concave: GeneratingSurface, convex: GeneratingSurface, section: BlankSection, blank: BlankDimensions
+    ) -> None:
+        """Raises GeometryError if the cutter meets no tooth of the blank."""
         member = blank.pinion
-        point = np.array(member.mean_point)[:, None]
-        parameters = [solve_flank(surface, section, point[0], point[1]).parameters for surface in (concave, convex)]
-        wanted = math.pi * blank.mean_normal_module - member.mean_normal_thickness
-        return cls(point, point[1, 0] * math.cos(member.mean_spiral_angle), wanted, (parameters[0], parameters[1]))
+        self.point = np.array(member.mean_point)[:, None]
+        #: (2, 1) on concave and convex flank
+        self.parameters = [solve_flank(surface, section, *self.point).parameters for surface in (concave, convex)]
+        self.width_per_angle = float(self.point[1, 0]) * math.cos(member.mean_spiral_angle)  # normal [mm/rad]
+        self.wanted = math.pi * blank.mean_normal_module - member.mean_normal_thickness  # normal width [mm]
 
     def width(self, concave: GeneratingSurface, convex: GeneratingSurface) -> float:
         """Normal width of the slot that two flanks of one set-up leave [mm]; NaN where a flank is not found."""
@@ -63,7 +57,7 @@ class MeanSlot:
             position = surface.evaluate(solution.parameters)[0][:, 0]
             azimuths.append(math.atan2((1.0 if surface.hand == "right" else -1.0) * position[1], position[0]))
             parameters.append(solution.parameters)
-        self.parameters = parameters[0], parameters[1]
+        self.parameters = parameters
         return math.remainder(azimuths[1] - azimuths[0], 2.0 * math.pi) * self.width_per_angle
 
     def change(
@@ -115,19 +109,26 @@ FIRST_TILTS = (-0.1, 0.02, -0.05)
 INTERIOR = 1e-6  # of a step: how far inside its limits a fit begins
 
 
-@dataclass
 class SetUpResidual:
-    """Residuals of a set-up that cuts one flank or both."""
+    """Residuals of a set-up that cuts the given sides; each begins from the same machine settings.
 
-    parts: Sequence[EaseOffResidual]
-    shared: int  # number of machine settings that move, their steps first
-    blade_steps: int  # number of those of each blade
-    slot: MeanSlot | None
+    The steps of the ``shared`` machine settings come first, then those of each blade.
+    """
 
-    @property
-    def size(self) -> int:
-        """Number of steps."""
-        return self.shared + self.blade_steps * len(self.parts)
+    def __init__(
+        self, sides: Sides, shared: Sequence[str], blank: BlankDimensions, blade: Sequence[str] = BLADE_SETTINGS
+    ) -> None:
+        names, tie = (*shared, *blade), None if "sliding_base" in shared else partial(_on_the_root, blank)
+        self.parts = [
+            EaseOffResidual(pair, target, names, NODES, FOLD_MARGIN, tie is None, root, tie)
+            for pair, target, root in sides.values()
+        ]
+        self.shared, self.blade_steps = len(shared), len(blade)
+        self.size = self.shared + self.blade_steps * len(self.parts)  # number of steps
+        self.slot: MeanSlot | None = None
+        flanks = [part.start for part in self.parts]
+        if len(flanks) == 2 and flanks[0].settings.indexing_ratio == 0.0 and "point_radius" in blade:
+            self.slot = MeanSlot(flanks[0], flanks[1], sides["drive"][0].pinion.section, blank)
 
     def columns(self, part: int) -> Array:
         """Places of one flank's steps among all."""
@@ -138,7 +139,8 @@ class SetUpResidual:
         """Residuals [um] of every flank, and of the slot."""
         rows = [part(steps[self.columns(k)]) for k, part in enumerate(self.parts)]
         if self.slot is not None:
-            rows.append(np.atleast_1d(self._slot_error(steps)))
+            error = SLOT_WEIGHT * self.slot.error(*self.surfaces(steps))
+            rows.append(np.atleast_1d(error if np.isfinite(error) else 1e9))
         return np.concatenate(rows)
 
     def jacobian(self, steps: Array) -> Array:
@@ -151,15 +153,14 @@ class SetUpResidual:
             block[:, columns] = slopes
             rows.append(block)
         if self.slot is not None:
-            rows.append(self._slot_slopes(steps)[None, :])
+            rows.append(self._slot_slopes(self.slot, steps)[None, :])
         return np.concatenate(rows)
 
     def surfaces(self, steps: Array) -> list[GeneratingSurface]:
         """The flanks at given steps."""
         return [part.surface(steps[self.columns(k)]) for k, part in enumerate(self.parts)]
 
-    def _slot_slopes(self, steps: Array) -> Array:
-        assert self.slot is not None
+    def _slot_slopes(self, slot: MeanSlot, steps: Array) -> Array:
         slopes = np.zeros(self.size)
         for k, part in enumerate(self.parts):
             columns = self.columns(k)
@@ -167,14 +168,9 @@ class SetUpResidual:
             surface = part.surface(part_steps)
             for index, shift in zip(columns, SLOT_STEP * np.eye(columns.size), strict=True):
                 behind, ahead = part.surface(part_steps - shift), part.surface(part_steps + shift)
-                change = self.slot.change(surface, behind, ahead, convex=k == 1)
+                change = slot.change(surface, behind, ahead, convex=k == 1)
                 slopes[index] += SLOT_WEIGHT * change / (2.0 * SLOT_STEP)
         return slopes
-
-    def _slot_error(self, steps: Array) -> float:
-        assert self.slot is not None
-        error = SLOT_WEIGHT * self.slot.error(*self.surfaces(steps))
-        return error if np.isfinite(error) else 1e9
 
 
 def best_set_up(
@@ -267,7 +263,7 @@ def _one_cutter(start: Mapping[FlankName, GearPair], blank: BlankDimensions) -> 
     concave, convex = (start[side].pinion for side in ("drive", "coast"))
     if concave.loaded.settings.indexing_ratio != 0.0:
         return start
-    slot = MeanSlot.of(concave.loaded, convex.loaded, concave.section, blank)
+    slot = MeanSlot(concave.loaded, convex.loaded, concave.section, blank)
     each = -0.5 * slot.error(concave.loaded, convex.loaded)
     pairs: dict[FlankName, GearPair] = {}
     for side, pair in start.items():
@@ -283,27 +279,12 @@ def _cost(fits: Mapping[FlankName, Synthesis]) -> float:
     return sum(fit.rms**2 + root_cost(fit) for fit in fits.values())
 
 
-def set_up_residual(
-    sides: Sides, shared: Sequence[str], blank: BlankDimensions, blade: Sequence[str] = BLADE_SETTINGS
-) -> SetUpResidual:
-    """Residuals of a set-up that cuts the given sides; each begins from the same machine settings."""
-    names, tie = (*shared, *blade), None if "sliding_base" in shared else partial(_on_the_root, blank)
-    parts = [
-        EaseOffResidual.of(pair, target, names, NODES, FOLD_MARGIN, follow_root=tie is None, wanted_root=root, tie=tie)
-        for pair, target, root in sides.values()
-    ]
-    slot = None
-    if len(parts) == 2 and parts[0].start.settings.indexing_ratio == 0.0 and "point_radius" in blade:
-        slot = MeanSlot.of(parts[0].start, parts[1].start, sides["drive"][0].pinion.section, blank)
-    return SetUpResidual(parts, len(shared), len(blade), slot)
-
-
 def _fit(
     sides: Sides, machine: _Machine, *, blade: tuple[str, ...] = BLADE_SETTINGS, tilt: float = 0.0
 ) -> dict[FlankName, Synthesis]:
     from scipy.optimize import least_squares
 
-    fit = set_up_residual(sides, machine.shared, machine.blank, blade)
+    fit = SetUpResidual(sides, machine.shared, machine.blank, blade)
     bounds, start = np.zeros((fit.size, 2)), np.zeros(fit.size)
     for k, part in enumerate(fit.parts):
         for place, name, origin, scale in zip(fit.columns(k), part.free, part.origin, part.scale, strict=True):

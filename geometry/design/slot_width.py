@@ -62,12 +62,6 @@ class ToothLine:
         """Cone distance of the gear where its tooth line is curved as an involute (R_x2) [mm] (39, 46)."""
         return self.crown.involute_cone_distance
 
-    @property
-    def has_involute_point(self) -> bool:
-        """True if that place lies on the gear's face."""
-        toe, _, heel = self.gear_places
-        return bool(toe < self.involute_distance < heel)
-
     def on_gear(self, pinion_distance: Array) -> Array:
         """Cone distances of the gear (...) [mm] at those of the pinion (16)."""
         p = self.proportions
@@ -200,9 +194,9 @@ class SlotWidths:
     @cached_property
     def at_involute(self) -> Array:
         """Slot widths at the place of involute lengthwise curvature (2) [mm]; NaN if it is off the face (82 to 85)."""
-        if not self.line.has_involute_point:
+        (toe, _, heel), place = self.line.gear_places, np.asarray(self.line.involute_distance)
+        if not toe < place < heel:
             return np.full(2, np.nan)
-        place = np.asarray(self.line.involute_distance)
         return np.stack([self.pinion_width(place), self.gear_width(place)])
 
     @property
@@ -216,14 +210,9 @@ class SlotWidths:
         return np.asarray(np.fmax(self.width.max(axis=1), self.at_involute))
 
     @property
-    def limit_point_width(self) -> Array:
-        """Largest point widths that fit the slots of pinion and gear, less the stock allowance (2) [mm] (90, 91)."""
-        return np.asarray(self.least - np.array(self.line.proportions.stock_allowance))
-
-    @property
     def roughing_blade_point(self) -> Array:
-        """Least widths of the tips of roughing blades (2) [mm] (92, 93)."""
-        return self.limit_point_width / 2.0 + BLADE_OVERLAP
+        """Least widths of the tips of roughing blades (2) [mm] (90 to 93): slots less the stock allowance, halved."""
+        return np.asarray((self.least - np.array(self.line.proportions.stock_allowance)) / 2.0 + BLADE_OVERLAP)
 
     @property
     def finishing_blade_point(self) -> Array:

@@ -16,9 +16,9 @@ from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..cutting.named_settings import CURVATURE_STEPS, get_setting, scale_of, with_settings
 from ..flanks.blank_section import BlankSection
-from ..flanks.flank import Flank, solve_flank
+from ..flanks.flank import solve_flank
 from ..newton import complex_steps, cramers_rule, solve
-from ..pair.ease_off import EaseOff, angle_near, exact_ease_off, sheet_area
+from ..pair.ease_off import angle_near, exact_ease_off, sheet_area
 from ..pair.gear_pair import GearPair, grid
 from ..tooth.tooth_surface import tip_gap
 from ..vectors import dot
@@ -190,9 +190,7 @@ def fit_pinion(
     names = words("free", free, 1) if free is not None else FREE_SETTINGS_WITH_TILT if follow_root else FREE_SETTINGS
 
     def fitted(*, exact: bool) -> Synthesis:
-        fit = EaseOffResidual.of(
-            pair, target, names, nodes, fold_margin, follow_root=follow_root, wanted_root=wanted_root
-        )
+        fit = EaseOffResidual(pair, target, names, nodes, fold_margin, follow_root, wanted_root)
         # A straight blade has no radius: begin a little curved.
         curved = np.array([name in CURVATURE_STEPS for name in names])
         solution = least_squares(
@@ -232,17 +230,22 @@ class EaseOffResidual:
     """Residuals of a fit of one pinion flank, which starts from where the flanks last met."""
 
     pair: GearPair
-    gear: Flank
-    wanted: Array  # ease-off at the nodes (n) [mm]
+    target: Callable[[Array, Array], Array]
     free: Sequence[str]
-    known: EaseOff
-    root_line: RootLine | None
+    nodes: tuple[int, int]  # even ones of the gear flank
     fold_margin: float
+    follow_root: bool = False
     wanted_root: Array | None = None  # blade's tip above the root cone (3) [mm]; zero if None
     tie: Tie | None = None
 
     def __post_init__(self) -> None:
-        self.start = self.pair.pinion.loaded
+        """Raises GeometryError if the flanks meet on too few nodes."""
+        (t, h), pinion = grid(self.nodes), self.pair.pinion
+        self.gear, self.start = self.pair.gear.flank(t, h), pinion.loaded
+        on_nodes = self.target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
+        self.wanted = array("target", on_nodes, "mm", ndim=1, size=t.size * h.size)
+        self.known = exact_ease_off(self.gear, pinion.loaded, pinion.section, self.pair.assembly)
+        self.root_line = RootLine.of(pinion.loaded, pinion.section) if self.follow_root else None
         self.origin = np.array([get_setting(self.start, name) for name in self.free])
         self.scale = np.array([scale_of(name) for name in self.free])
         # A straight blade has no radius to differentiate by: long steps, which a flank that is nearly linear in its
@@ -261,32 +264,9 @@ class EaseOffResidual:
         # Where the start has no root, undercut or not reached, there is none to follow.
         self.rooted = np.zeros(0, bool) if self.root_line is None else np.isfinite(self.root_line.gap(self.start)[0])
         self.lever = self.known.lever_arm[self.usable]
-        self.side = float(np.sign(np.median(self.start.orientation(self.parameters)[self.usable])))
-
-    @classmethod
-    def of(
-        cls,
-        pair: GearPair,
-        target: Callable[[Array, Array], Array],
-        free: Sequence[str],
-        nodes: tuple[int, int],
-        fold_margin: float,
-        *,
-        follow_root: bool = False,
-        wanted_root: Array | None = None,
-        tie: Tie | None = None,
-    ) -> EaseOffResidual:
-        """Residuals at even nodes of the gear flank; GeometryError if the flanks meet on too few of them."""
-        t, h = grid(nodes)
-        gear, pinion = pair.gear.flank(t, h), pair.pinion
-        on_nodes = target(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij")))
-        wanted = array("target", on_nodes, "mm", ndim=1, size=t.size * h.size)
-        known = exact_ease_off(gear, pinion.loaded, pinion.section, pair.assembly)
-        root_line = RootLine.of(pinion.loaded, pinion.section) if follow_root else None
-        residual = cls(pair, gear, wanted, free, known, root_line, fold_margin, wanted_root, tie)
-        if residual.lever.size < 2 * len(free):
+        if self.lever.size < 2 * len(self.free):
             raise GeometryError(TOO_FEW_NODES)
-        return residual
+        self.side = float(np.sign(np.median(self.start.orientation(self.parameters)[self.usable])))
 
     def settings(self, steps: Array) -> dict[str, float]:
         """Settings that moved, and those tied to them, at steps (m) of ``named_settings.scale_of``."""

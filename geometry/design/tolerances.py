@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
+
 from ...core.checks import whole
 from ...core.errors import InputError
 
@@ -10,26 +12,13 @@ GRADES = (2, 11)
 MODULES, TEETH, DIAMETERS = (1.0, 50.0), (5, 400), (5.0, 2500.0)
 RUN_OUT_GRADE = 4  # the finest with a tolerance of run-out
 INCH = 25.4  # [mm]
-#: Normal backlash recommended by AGMA for qualities 7 to 13: diametral pitch from which on it holds [1/in], least and
-#: greatest [in].
-USUAL_BACKLASH = (
-    (1.0, 0.020, 0.030),
-    (1.25, 0.018, 0.026),
-    (1.5, 0.016, 0.022),
-    (1.75, 0.014, 0.018),
-    (2.0, 0.012, 0.016),
-    (2.5, 0.010, 0.013),
-    (3.0, 0.008, 0.011),
-    (3.5, 0.007, 0.009),
-    (4.0, 0.006, 0.008),
-    (5.0, 0.005, 0.007),
-    (6.0, 0.004, 0.006),
-    (8.0, 0.003, 0.005),
-    (10.0, 0.002, 0.004),
-    (16.0, 0.001, 0.003),
-    (20.0, 0.0, 0.002),
-    (50.0, 0.0, 0.001),
-    (80.0, 0.0, 0.0007),
+#: Normal backlash recommended by AGMA for qualities 7 to 13: diametral pitches from which on [1/in], least and greatest
+#: of each [in].
+PITCHES = (1.0, 1.25, 1.5, 1.75, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0, 6.0, 8.0, 10.0, 16.0, 20.0, 50.0, 80.0)
+LEAST = (0.02, 0.018, 0.016, 0.014, 0.012, 0.01, 0.008, 0.007, 0.006, 0.005, 0.004, 0.003, 0.002, 0.001, 0.0, 0.0, 0.0)
+GREATEST = (
+    *(0.03, 0.026, 0.022, 0.018, 0.016, 0.013, 0.011, 0.009, 0.008, 0.007, 0.006, 0.005, 0.004, 0.003, 0.002, 0.001),
+    0.0007,
 )
 
 
@@ -90,9 +79,8 @@ def usual_backlash(outer_module: float) -> tuple[float, float] | None:
     >>> [round(value, 2) for value in usual_backlash(5.0)]
     [0.13, 0.18]
     """
-    pitch = INCH / outer_module
-    found = [row for row in USUAL_BACKLASH if row[0] <= pitch]
-    return (INCH * found[-1][1], INCH * found[-1][2]) if found else None
+    place = bisect_right(PITCHES, INCH / outer_module) - 1
+    return (INCH * LEAST[place], INCH * GREATEST[place]) if place >= 0 else None
 
 
 def _rounded(value: float) -> float:

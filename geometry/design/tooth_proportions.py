@@ -10,16 +10,13 @@ from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
 from ...core.arrays import shared_fields
-from ...core.checks import number
+from ...core.checks import array, number
 from ...core.errors import GeometryError
 from ..cutting.generating_surface import GeneratingSurface
 from ..flanks.blank_section import BlankSection
-from ..flanks.flank import solve_flank
 from ..pair.gear_pair import GearPair, Member
-from ..pair.tooth_thickness import mean_cone_distances, mean_normal_thickness, mean_thicknesses
+from ..pair.tooth_thickness import mean_cone_distances, mean_flanks, mean_normal_thickness, mean_thicknesses
 from .blank import BlankDimensions, MeanPointAngles, angles_of_normal
 from .iso23509.blank_dimensions import MemberBlank, MemberFrame, member_blank
 
@@ -61,13 +58,9 @@ class ToothProportions:
     blade_flat: float = BLADE_FLAT
 
     def __post_init__(self) -> None:
-        for name, value in (
-            ("stock_allowance of the pinion", self.stock_allowance[0]),
-            ("stock_allowance of the gear", self.stock_allowance[1]),
-            ("fillet_mutilation", self.fillet_mutilation),
-            ("blade_flat", self.blade_flat),
-        ):
-            number(name, value, "mm", least=0.0)
+        array("stock_allowance", self.stock_allowance, "mm", ndim=1, size=2, least=0.0)
+        for name in ("fillet_mutilation", "blade_flat"):
+            number(name, getattr(self, name), "mm", least=0.0)
 
     @classmethod
     def of(
@@ -204,14 +197,11 @@ def _heights(section: BlankSection, distance: float) -> tuple[float, float]:
 
 def mean_flank_angles(member: Member, distance: float) -> tuple[MeanPointAngles, MeanPointAngles]:
     """Angles of the loaded and of the other flank at a cone distance."""
-    angles = []
-    for surface in (member.loaded, member.other):
-        flank = solve_flank(surface, member.section, *member.section.on_pitch_cone(distance)[:, None])
-        position, normal = flank.position[:, 0], flank.normal[:, 0]
-        if not np.all(np.isfinite(position)):
-            raise GeometryError("a flank does not pass through the mean point of its blank")
-        angles.append(angles_of_normal(position, normal, member.section.pitch_angle, surface.hand))
-    return angles[0], angles[1]
+    loaded, other = (
+        angles_of_normal(flank.position[:, 0], flank.normal[:, 0], member.section.pitch_angle, flank.surface.hand)
+        for flank in mean_flanks(member, distance)
+    )
+    return loaded, other
 
 
 def _cutter_radius(surface: GeneratingSurface, height: float) -> float:

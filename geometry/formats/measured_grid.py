@@ -32,7 +32,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.arrays import record
 from ...core.attributes import labelled
 from ...core.checks import array, file_path, instance, one_of, shown
 from ...core.errors import InputError
@@ -188,10 +187,7 @@ def read_measured_grid(path: str | os.PathLike[str], member: Member | None = Non
     else:
         content = cmm.content(source)
         if suffix in TEXT_SUFFIXES and is_table(content):
-            table = parsed_table(content, str(source))
-            if member is None:
-                raise InputError(f"{source}: a table of deviations without points: give the member that it is of")
-            return table.grid(member)
+            return parsed_table(content, str(source), member)
         grid = (parsed_dmis if suffix in DMIS_SUFFIXES else cmm_csv.parsed)(content, str(source))
     grid = grid.assign_attrs(format=FORMAT, format_version=cmm.FORMAT_VERSION)
     cmm.check_points(grid, source, FORMAT)
@@ -381,7 +377,7 @@ def measured_matrix(
     given = {"flank": name, "rows": rows, "columns": columns, "deviation_unit": deviation_unit}
     values = array(source, deviation, deviation_unit, ndim=2, anything=True)
     require_size(values.shape[0], values.shape[1], source)
-    return DeviationTable.of(values, given, edge_margins or EdgeMargins(), source).grid(member)
+    return _table_grid(values, given, edge_margins or EdgeMargins(), source, member)
 
 
 UPWARDS, LENGTHWISE = ("root to tip", "tip to root"), ("toe to heel", "heel to toe")
@@ -394,38 +390,35 @@ WANTED = {
 EDGES = ("toe", "heel", "root", "tip")
 
 
-@record(frozen=True, eq=False)
-class DeviationTable:
-    """Table of deviations."""
+def _table_grid(
+    values: NDArray[np.float64],
+    given: Mapping[str, str],
+    margins: EdgeMargins,
+    source: str,
+    member: Member | None,
+    before: str = "",
+) -> xr.Dataset:
+    """Measured grid at the points where ``easeoff export`` has them, of values in rows and columns.
 
-    deviation: NDArray[np.float64]  # (root to tip, toe to heel) [um]
-    flank: str
-    margins: EdgeMargins
-    source: str
-
-    @classmethod
-    def of(
-        cls, values: NDArray[np.float64], given: Mapping[str, str], margins: EdgeMargins, source: str, before: str = ""
-    ) -> DeviationTable:
-        """Table of values in rows and columns that lie as the words for the keys of ``WANTED`` say."""
-        for key, allowed in WANTED.items():
-            one_of(before + key, given[key], allowed)
-        values = values * (1e3 if given["deviation_unit"] == "mm" else 1.0)
-        return cls(_oriented(values, given["rows"], given["columns"], source), given["flank"], margins, source)
-
-    def grid(self, member: Member) -> xr.Dataset:
-        """Measured grid on the flank of a member, at the points where ``easeoff export`` has them."""
-        if self.flank != side(member.loaded):
-            if member.opposite is None:
-                wanted = f"must be {side(member.loaded)!r}, the one given for this member"
-                raise InputError(f"{self.source}: flank = {self.flank!r}: {wanted}")
-            member = member.from_opposite
-        (rows, columns), margins = self.deviation.shape, self.margins
-        if member.opposite is not None:
-            # As exported, both flanks have one grid; the thickness of the tooth does not matter to its margins.
-            both = cmm_points(member, rows, columns, margins, tooth_angle=np.pi / member.teeth)
-            margins = EdgeMargins(**{edge: both.attrs[f"margin_{edge}_mm"] for edge in EDGES})
-        return measured_grid(cmm_points(member, rows, columns, margins), self.deviation)
+    They lie as the words for the keys of ``WANTED`` say.
+    """
+    for key, allowed in WANTED.items():
+        one_of(before + key, given[key], allowed)
+    values = values * (1e3 if given["deviation_unit"] == "mm" else 1.0)
+    values, flank = _oriented(values, given["rows"], given["columns"], source), given["flank"]
+    if member is None:
+        raise InputError(f"{source}: a table of deviations without points: give the member that it is of")
+    if flank != side(member.loaded):
+        if member.opposite is None:
+            wanted = f"must be {side(member.loaded)!r}, the one given for this member"
+            raise InputError(f"{source}: flank = {flank!r}: {wanted}")
+        member = member.from_opposite
+    rows, columns = values.shape
+    if member.opposite is not None:
+        # As exported, both flanks have one grid; the thickness of the tooth does not matter to its margins.
+        both = cmm_points(member, rows, columns, margins, tooth_angle=np.pi / member.teeth)
+        margins = EdgeMargins(**{edge: both.attrs[f"margin_{edge}_mm"] for edge in EDGES})
+    return measured_grid(cmm_points(member, rows, columns, margins), values)
 
 
 def is_table(content: str) -> bool:
@@ -435,8 +428,8 @@ def is_table(content: str) -> bool:
     return first[:1] not in (["concave"], ["convex"]) and any(_is_number(cell, finite=False) for cell in first)
 
 
-def parsed_table(content: str, source: str) -> DeviationTable:
-    """Table of a text file, whose comments must say what it holds; a bad line is refused with its number."""
+def parsed_table(content: str, source: str, member: Member | None) -> xr.Dataset:
+    """Measured grid of a table in a text file, whose comments say what it holds; bad lines are refused by number."""
     attributes, lines = parted(content, source)
     first, head = lines[0]
     mark = separator(head)
@@ -466,7 +459,7 @@ def parsed_table(content: str, source: str) -> DeviationTable:
             "separate the columns by semicolons"
         )
     margins = EdgeMargins(**{edge: attributes.get(f"margin_{edge}_mm") for edge in EDGES})
-    return DeviationTable.of(np.array(rows, dtype=float), attributes, margins, source, f"{source}: ")
+    return _table_grid(np.array(rows, dtype=float), attributes, margins, source, member, f"{source}: ")
 
 
 def _oriented(deviation: NDArray[np.float64], rows: str, columns: str, source: str) -> NDArray[np.float64]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +12,7 @@ import xarray as xr
 
 from ...core.arrays import Array
 from ...core.attributes import labelled, units_of
-from ...core.checks import array, file_path, instance, number, positive, shown, whole
+from ...core.checks import array, bounded, check_fields, file_path, instance, number, shown, whole
 from ...core.errors import GeometryError, InputError
 from ...core.netcdf_file import read_dataset, write_netcdf
 from ...core.output_file import whole_file
@@ -30,6 +30,7 @@ DEFAULT_MARGIN_SHARE = 0.1  # of the face width at toe and heel, of the mean dep
 # Tried in this order where the flank ends early.
 ROOT_MARGIN_SHARES = (DEFAULT_MARGIN_SHARE, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4)
 SUFFIXES = (".csv", ".nc")
+MARGIN = bounded("mm", least=0.0)
 
 
 @dataclass(frozen=True)
@@ -47,15 +48,13 @@ class EdgeMargins:
     0.5
     """
 
-    toe: float | None = None
-    heel: float | None = None
-    root: float | None = None
-    tip: float | None = None
+    toe: float | None = field(default=None, metadata=MARGIN)
+    heel: float | None = field(default=None, metadata=MARGIN)
+    root: float | None = field(default=None, metadata=MARGIN)
+    tip: float | None = field(default=None, metadata=MARGIN)
 
     def __post_init__(self) -> None:
-        for name, value in vars(self).items():
-            if value is not None:
-                positive(f"edge margin {name}", value, "mm", zero=True)
+        check_fields(self, "edge margin ")
 
     def of(self, section: BlankSection, root_share: float = DEFAULT_MARGIN_SHARE) -> dict[str, float]:
         """The four margins on a blank [mm].

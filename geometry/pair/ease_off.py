@@ -315,6 +315,13 @@ class Drift:
     profile: Array
     lever_arm: Array
 
+    @property
+    def of_fractions(self) -> dict[str, Array]:
+        """Derivatives (n) of both fractions, by their names in results."""
+        rates, accelerations = zip(self.lengthwise, self.profile, strict=True)
+        names = [f"pinion_{way}_{order}" for order in ("rate", "acceleration") for way in ("lengthwise", "profile")]
+        return dict(zip(names, (*rates, *accelerations), strict=True))
+
 
 def drift(ease_off: EaseOff) -> Drift:
     """Drift of the pinion points opposite the gear's nodes, by central differences as the separation skew."""

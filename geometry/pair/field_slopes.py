@@ -111,13 +111,7 @@ class _Fields:
         return values | {"depth_gear": self._known_gear if same_gear else self._depth(1, gear.position, gear.normal)}
 
     def _of_pinion(self, exact: EaseOff) -> dict[str, Array]:
-        moving, names = drift(exact), ("rate", "acceleration")
-        both = {"lengthwise": moving.lengthwise, "profile": moving.profile}
-        passing = {
-            f"pinion_{way}_{name}": values.reshape(self.geometry.nodes)
-            for way, orders in both.items()
-            for name, values in zip(names, orders, strict=True)
-        }
+        passing = {name: values.reshape(self.geometry.nodes) for name, values in drift(exact).of_fractions.items()}
         return {"depth_pinion": self._depth(0, exact.pinion_position, exact.pinion_normal), **passing}
 
     @cached_property

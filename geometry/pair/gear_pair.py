@@ -88,10 +88,7 @@ def ease_off_dataset(lengthwise: Array, profile: Array, ease_off: EaseOff, drift
         "ease_off": 1e3 * angle * ease_off.lever_arm,
         "ease_off_angle": angle,
         **{name: getattr(ease_off, name) for name in NODE_FIELDS},
-        "pinion_lengthwise_rate": drift.lengthwise[0],
-        "pinion_profile_rate": drift.profile[0],
-        "pinion_lengthwise_acceleration": drift.lengthwise[1],
-        "pinion_profile_acceleration": drift.profile[1],
+        **drift.of_fractions,
         "blade_distance": ease_off.blade_distance,
     }
     motion = ease_off.motion
@@ -375,15 +372,13 @@ class PairGeometry:
         GeometryError
             If a cutter meets no tooth of its blank, or the flanks do not meet.
         """
-        old_members = self.members
-        pinion, gear = (
-            flank if member.loaded == before.loaded else member.flank(old_members.lengthwise, old_members.profile)
-            for member, before, flank in (
-                (pair.pinion, self.pair.pinion, old_members.pinion),
-                (pair.gear, self.pair.gear, old_members.gear),
-            )
-        )
-        members = MemberGeometry(old_members.lengthwise, old_members.profile, pinion, gear, old_members.bodies)
+        known = self.members
+
+        def flank(member: Member, before: Member, old: Flank) -> Flank:
+            return old if member.loaded == before.loaded else member.flank(known.lengthwise, known.profile)
+
+        pinion, gear = flank(pair.pinion, self.pair.pinion, known.pinion), flank(pair.gear, self.pair.gear, known.gear)
+        members = MemberGeometry(known.lengthwise, known.profile, pinion, gear, known.bodies)
         return _in_mesh(pair, members, _exact_ease_off(pair, gear))
 
 

@@ -96,7 +96,7 @@ def contradictions(pair: GearPair) -> list[str]:
         )
     try:
         module, mate = (
-            2.0 * _normal_arc(member, _mean_flanks(member, distance)) / member.teeth
+            2.0 * _normal_arc(member, mean_flanks(member, distance)) / member.teeth
             for member, distance in zip((pair.pinion, pair.gear), distances, strict=True)
         )
     except GeometryError:
@@ -126,7 +126,7 @@ def mean_normal_thickness(member: Member, mid_flank_thickness: float, distance: 
 
 def _at_mean_point(member: Member, distance: float) -> tuple[float, float]:
     """Normal arc per angle on the pitch cone [mm/rad], and by what angle the tooth is thicker there than mid-flank."""
-    front, back = flanks = _mean_flanks(member, distance)
+    front, back = flanks = mean_flanks(member, distance)
     turn, middle = member.middle_angle()
     if not math.isfinite(middle):
         raise GeometryError("a flank does not pass through the middle of its blank")
@@ -134,7 +134,7 @@ def _at_mean_point(member: Member, distance: float) -> tuple[float, float]:
     return _normal_arc(member, flanks), math.remainder(turn * (ends[1] - ends[0]) - middle, 2.0 * math.pi)
 
 
-def _mean_flanks(member: Member, distance: float) -> list[Flank]:
+def mean_flanks(member: Member, distance: float) -> list[Flank]:
     """The loaded flank and the other one at the mean point, one node each."""
     axial, radial = member.section.on_pitch_cone(distance)[:, None]
     flanks = [solve_flank(surface, member.section, axial, radial) for surface in (member.loaded, member.other)]

@@ -19,6 +19,7 @@ mid slot (``LatticeSize(beside=0)``). Every brick has 27 nodes.
 from __future__ import annotations
 
 from dataclasses import astuple, dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -30,7 +31,7 @@ from ..flanks.blank_section import BlankSection
 from ..flanks.flank import into_tooth
 from ..pair.gear_pair import GearPair
 from .tooth_flanks import named_member
-from .tooth_surface import ToothSide, tooth_surface
+from .tooth_surface import ToothSide, azimuth, between, tooth_surface
 
 
 @dataclass(frozen=True)
@@ -154,12 +155,12 @@ def numbered(
     size: LatticeSize,
     body: tuple[int, int],
     normal: Array,
-    fractions: tuple[Array, Array, Array],
+    spacing: LatticeSpacing,
     profile: Array,
 ) -> ToothLattice:
     """The lattice; of each section's nodes (nt, per section, 3) the body's (columns, rows) come first."""
     columns, rows = body
-    t, through, up = fractions
+    t = spacing.lengthwise
     in_body = np.arange(columns * rows).reshape(columns, rows)
     beside, first = 2 * size.beside, 2 * (size.beside + size.slot)
     last = columns - first
@@ -188,8 +189,8 @@ def numbered(
         t,
         profile,
         np.moveaxis(tooth[:, None, None] + floors, 1, 0),
-        through,
-        up,
+        spacing.through,
+        spacing.upward,
         len(in_the_body),
         whole[:, None, None] + in_body,
     )
@@ -272,13 +273,12 @@ class LatticeSections:
     lengthwise: Array
     turn: float
     middle: Array
-    depth: Array
 
-    @classmethod
-    def at(cls, blank: BlankSection, lengthwise: Array, turn: float, middle: Array) -> LatticeSections:
-        """Sections at lengthwise fractions (nt), as deep as the blank."""
-        root, tip = (np.asarray(blank.points(lengthwise, np.full_like(lengthwise, h))) for h in (0.0, 1.0))
-        return cls(blank, lengthwise, turn, middle, np.hypot(*(tip - root)))
+    @cached_property
+    def depth(self) -> Array:
+        """Depth of the blank (nt) [mm]."""
+        root, tip = (self.blank.points(self.lengthwise, np.full_like(self.lengthwise, h)) for h in (0.0, 1.0))
+        return np.asarray(np.hypot(*(tip - root)))
 
     def plane(self, points: Array) -> Array:
         """Coordinates (2, nt, ...) of points (3, nt, ...)."""
@@ -352,7 +352,7 @@ def overhang(sections: LatticeSections, body: Array, end: int, away: Array, web:
         up[away.size] = 0.5 * (up[away.size - 1] + slimmer)
         away, slope = np.concatenate([away, further]), np.append(slope, np.full(further.size, slope[-1]))
     t = sections.lengthwise[end] + (away if end else -away) / length
-    beyond = LatticeSections.at(sections.blank, t, sections.turn, sections.middle[end] + slope)
+    beyond = LatticeSections(sections.blank, t, sections.turn, sections.middle[end] + slope)
     up = up.reshape(t.size, -1)
     angle = body[0, end] / sections.radial(body[1])[1][end]
     plane = np.stack([angle.ravel() * beyond.radial(up)[1], up])
@@ -364,7 +364,7 @@ def _web_distances(sections: LatticeSections, floor: float, start: float, length
 
     def radius(away: float) -> float:
         t = np.array([sections.lengthwise[0] - away / length])
-        one = LatticeSections.at(sections.blank, t, sections.turn, np.zeros(1))
+        one = LatticeSections(sections.blank, t, sections.turn, np.zeros(1))
         return float(one.radial(np.array([floor]))[1][0])
 
     wanted, at_rim, falling = 0.5 * web.bore_diameter, radius(start), radius(start) - radius(start + 1.0)
@@ -448,9 +448,8 @@ def tooth_lattice(
     except GeometryError as error:
         raise GeometryError(f"the {member}'s tooth cannot be filled with bricks: {error}; {SHELL_HINT}") from error
     turn = into_tooth(tooth.loaded.flank, tooth.loaded.flank_normal)
-    azimuths = [np.arctan2(tip[1], tip[0]) for tip in (tooth.loaded.flank[:, :, -1], tooth.opposite.flank[:, :, -1])]
-    swing = np.mod(turn * (azimuths[1] - azimuths[0]) + np.pi, 2.0 * np.pi) - np.pi
-    sections = LatticeSections.at(blank, t, turn, azimuths[0] + 0.5 * turn * swing)
+    tip, other_tip = tooth.loaded.flank[:, :, -1], tooth.opposite.flank[:, :, -1]
+    sections = LatticeSections(blank, t, turn, azimuth(tip) + 0.5 * turn * between(tip, other_tip, turn))
     pitch = 2.0 * np.pi / named_member(pair, member).teeth
 
     floors, sides = [], []
@@ -473,7 +472,7 @@ def tooth_lattice(
     ends = [overhang(sections, body, 0, away, web), overhang(sections, body, -1, away)]
 
     profile, normal = sides[0][1] / sections.depth[:, None], _flank_normals(sections, tooth.loaded, up)
-    return numbered(nodes, ends, size, body.shape[2:], normal, (t, through, up), profile)
+    return numbered(nodes, ends, size, body.shape[2:], normal, spacing, profile)
 
 
 def _corner(side: ToothSide) -> int:

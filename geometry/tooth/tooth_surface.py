@@ -223,14 +223,14 @@ def tooth_surface(
     placed = placed_flanks(which, tooth_angle(pair, member))
     front, back = (tooth_side(p.surface, p.section, t, up, fillet_nodes).turned(p.rotation) for p in placed.values())
     turn = into_tooth(front.flank, front.flank_normal)
-    tips = _between(front.flank[:, :, -1], back.flank[:, :, -1], turn)
+    tips = between(front.flank[:, :, -1], back.flank[:, :, -1], turn)
     if np.any(tips <= 0.0):
         raise GeometryError(
             f"the {member}'s tooth is pointed: its flanks meet below the tip on {100 * np.mean(tips <= 0):.0f} % of "
             "the face; a smaller depth_factor of a design, or face_angle of a blank, lowers its tip"
         )
     pitch = 2.0 * np.pi / which.teeth
-    roots = pitch - _between(front.fillet[:, :, 0], back.fillet[:, :, 0], turn)
+    roots = pitch - between(front.fillet[:, :, 0], back.fillet[:, :, 0], turn)
     if np.any(roots <= 0.0):
         raise GeometryError(
             f"the fillets of the {member}'s slot overlap on {100 * np.mean(roots <= 0):.0f} % of the face: make "
@@ -245,24 +245,25 @@ def tooth_surface(
     return ToothSurface(front, back, tuple(placed), top_land, root_lands)
 
 
-def _azimuth(points: Array) -> Array:
+def azimuth(points: Array) -> Array:
+    """Azimuth (...) [rad] of points (3, ...)."""
     return np.asarray(np.arctan2(points[1], points[0]))
 
 
-def _between(front: Array, back: Array, turn: float) -> Array:
+def between(front: Array, back: Array, turn: float) -> Array:
     """Angle from the loaded side through the tooth to the other one (nt) [rad], within half a turn."""
-    angle = turn * (_azimuth(back) - _azimuth(front))
+    angle = turn * (azimuth(back) - azimuth(front))
     return np.asarray(np.mod(angle + np.pi, 2.0 * np.pi) - np.pi)
 
 
 def _land(start: Array, end: Array, swing: Array, share: Array) -> Array:
     """Points (3, nt, nw) from ``start`` to the point ``end`` turned to ``swing`` [rad] away, evenly in all."""
-    azimuth = _azimuth(start)[:, None] + swing[:, None] * share
+    turned = azimuth(start)[:, None] + swing[:, None] * share
     radius, axial = (
         (1.0 - share) * a[:, None] + share * b[:, None]
         for a, b in ((np.hypot(*start[:2]), np.hypot(*end[:2])), (start[2], end[2]))
     )
-    return np.stack([radius * np.cos(azimuth), radius * np.sin(azimuth), axial])
+    return np.stack([radius * np.cos(turned), radius * np.sin(turned), axial])
 
 
 def tooth_patches(pair: GearPair, member: str, nodes: tuple[int, int] = (31, 21)) -> dict[str, Array]:
@@ -428,14 +429,13 @@ def _width(front: Array, back: Array, turn: float) -> tuple[Array, Array]:
 
     The edges (3, 3 n) [mm] are given a little before, at and a little behind each place.
     """
-    azimuth = [np.arctan2(each[1], each[0]) for each in (front, back)]
-    angle = np.mod(turn * (azimuth[1] - azimuth[0]) + np.pi, 2.0 * np.pi) - np.pi
-    middle = (azimuth[0] + 0.5 * turn * angle).reshape(3, -1)
+    angle = between(front, back, turn)
+    middle = (azimuth(front) + 0.5 * turn * angle).reshape(3, -1)
     radius = 0.5 * (np.hypot(front[0], front[1]) + np.hypot(back[0], back[1])).reshape(3, -1)
     axial = 0.5 * (front[2] + back[2]).reshape(3, -1)
     around = 2.0 * radius[1] * np.sin(0.5 * (middle[2] - middle[0]))
     along = np.hypot(axial[2] - axial[0], radius[2] - radius[0])
-    return np.asarray(angle.reshape(3, -1)[1]), np.asarray(radius[1] * along / np.hypot(along, around))
+    return angle.reshape(3, -1)[1], np.asarray(radius[1] * along / np.hypot(along, around))
 
 
 THICKNESS_LEVELS = 21

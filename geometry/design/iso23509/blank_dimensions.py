@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields
-from typing import Annotated, Any, Literal, get_args
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Literal
 
-from ....core.checks import number, one_of, positive, two_whole, whole
+from ....core.checks import bounded, check_fields, two_whole
 from ....core.errors import GeometryError, InputError
 from .usual_proportions import BACKLASHES, DATA_TYPE_1
 
@@ -20,6 +20,10 @@ DepthTaper = Literal["standard", "uniform", "constant_slot_width", "modified_slo
 
 DATA_TYPE_2 = ("gear_mean_addendum_factor", "depth_factor", "clearance_factor")
 THICKNESS_2 = ("thickness_factor", "gear_mean_slot_width")
+POSITIVE, NOT_NEGATIVE, SHARE = bounded(above=0.0), bounded(least=0.0), bounded(least=0.0, most=1.0)
+SHAFT_ANGLE = bounded("rad", above=0.0, below=math.pi)
+SHARP_ANGLE = bounded("rad", least=0.0, below=math.pi / 2)
+TAPER_ANGLE = bounded("rad", above=-math.pi / 4, below=math.pi / 4)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,71 +96,42 @@ class BlankDesign:
     20.0
     """
 
-    method: int
+    method: int = field(metadata=bounded(most=3))
     process: Process
     number_of_teeth: tuple[int, int]
-    mean_spiral_angle: Annotated[float, "beta_m1", "beta_m2"]
-    gear_face_width: Annotated[float, "b2"]
-    cutter_radius: Annotated[float, "rc0"]
-    nominal_drive_pressure_angle: Annotated[float, "alpha_dD"]
-    nominal_coast_pressure_angle: Annotated[float, "alpha_dC"]
-    gear_outer_pitch_diameter: Annotated[float | None, "de2"] = None
-    gear_mean_pitch_diameter: Annotated[float | None, "dm2"] = None
-    shaft_angle: Annotated[float, "Sigma"] = math.pi / 2
+    mean_spiral_angle: Annotated[float, "beta_m1", "beta_m2"] = field(metadata=SHARP_ANGLE)
+    gear_face_width: Annotated[float, "b2"] = field(metadata=POSITIVE)
+    cutter_radius: Annotated[float, "rc0"] = field(metadata=POSITIVE)
+    nominal_drive_pressure_angle: Annotated[float, "alpha_dD"] = field(metadata=SHARP_ANGLE)
+    nominal_coast_pressure_angle: Annotated[float, "alpha_dC"] = field(metadata=SHARP_ANGLE)
+    gear_outer_pitch_diameter: Annotated[float | None, "de2"] = field(default=None, metadata=POSITIVE)
+    gear_mean_pitch_diameter: Annotated[float | None, "dm2"] = field(default=None, metadata=POSITIVE)
+    shaft_angle: Annotated[float, "Sigma"] = field(default=math.pi / 2, metadata=SHAFT_ANGLE)
     hypoid_offset: Annotated[float, "a"] = 0.0
     number_of_blade_groups: Annotated[int | None, "z0"] = None
-    limit_pressure_angle_influence: Annotated[float, "f_alim"] = 0.0
+    limit_pressure_angle_influence: Annotated[float, "f_alim"] = field(default=0.0, metadata=SHARE)
     profile_shift_coefficient: Annotated[float | None, "x_hm1"] = None
-    basic_addendum_factor: Annotated[float | None, "k_hap"] = None
-    basic_dedendum_factor: Annotated[float | None, "k_hfp"] = None
+    basic_addendum_factor: Annotated[float | None, "k_hap"] = field(default=None, metadata=POSITIVE)
+    basic_dedendum_factor: Annotated[float | None, "k_hfp"] = field(default=None, metadata=POSITIVE)
     thickness_modification_coefficient: Annotated[float | None, "x_smn"] = None
     gear_mean_addendum_factor: Annotated[float | None, "c_ham"] = None
-    depth_factor: Annotated[float | None, "k_d"] = None
-    clearance_factor: Annotated[float | None, "k_c"] = None
+    depth_factor: Annotated[float | None, "k_d"] = field(default=None, metadata=POSITIVE)
+    clearance_factor: Annotated[float | None, "k_c"] = field(default=None, metadata=NOT_NEGATIVE)
     thickness_factor: Annotated[float | None, "k_t"] = None
-    gear_mean_slot_width: Annotated[float | None, "W_m2"] = None
-    outer_normal_backlash: Annotated[float | None, "j_en"] = None
-    outer_transverse_backlash: Annotated[float | None, "j_et2"] = None
-    mean_normal_backlash: Annotated[float | None, "j_mn"] = None
-    mean_transverse_backlash: Annotated[float | None, "j_mt2"] = None
-    gear_addendum_angle: Annotated[float | None, "theta_a2"] = None
-    gear_dedendum_angle: Annotated[float | None, "theta_f2"] = None
+    gear_mean_slot_width: Annotated[float | None, "W_m2"] = field(default=None, metadata=POSITIVE)
+    outer_normal_backlash: Annotated[float | None, "j_en"] = field(default=None, metadata=NOT_NEGATIVE)
+    outer_transverse_backlash: Annotated[float | None, "j_et2"] = field(default=None, metadata=NOT_NEGATIVE)
+    mean_normal_backlash: Annotated[float | None, "j_mn"] = field(default=None, metadata=NOT_NEGATIVE)
+    mean_transverse_backlash: Annotated[float | None, "j_mt2"] = field(default=None, metadata=NOT_NEGATIVE)
+    gear_addendum_angle: Annotated[float | None, "theta_a2"] = field(default=None, metadata=TAPER_ANGLE)
+    gear_dedendum_angle: Annotated[float | None, "theta_f2"] = field(default=None, metadata=TAPER_ANGLE)
     depth_taper: DepthTaper | None = None
 
     def __post_init__(self) -> None:
-        self._check_types()
-        self._check_choices()
-        self._check_ranges()
+        check_fields(self)
+        two_whole("number_of_teeth", self.number_of_teeth, 1)
         if mistakes := list(unsuited_data(vars(self))):
             raise InputError("\n".join(mistakes))
-
-    def _check_types(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            left_out = value is None and field.default is None
-            if not left_out and field.name not in ("method", "process", "number_of_teeth", "depth_taper"):
-                number(field.name, value)
-
-    def _check_choices(self) -> None:
-        whole("method", self.method, 0, 3)
-        one_of("process", self.process, get_args(Process))
-        if self.depth_taper is not None:
-            one_of("depth_taper", self.depth_taper, get_args(DepthTaper))
-        two_whole("number_of_teeth", self.number_of_teeth, 1)
-
-    def _check_ranges(self) -> None:
-        sizes = ("gear_face_width", "cutter_radius", "gear_outer_pitch_diameter", "gear_mean_pitch_diameter")
-        of_tooth = ("basic_addendum_factor", "basic_dedendum_factor", "depth_factor", "gear_mean_slot_width")
-        for name in _given(vars(self), (*sizes, *of_tooth)):
-            positive(name, getattr(self, name))
-        for name in _given(vars(self), (*BACKLASHES, "clearance_factor")):
-            positive(name, getattr(self, name), zero=True)
-        for name in ("mean_spiral_angle", "nominal_drive_pressure_angle", "nominal_coast_pressure_angle"):
-            number(name, getattr(self, name), "rad", least=0.0, below=math.pi / 2)
-        for name in _given(vars(self), ("gear_addendum_angle", "gear_dedendum_angle")):
-            number(name, getattr(self, name), "rad", above=-math.pi / 4, below=math.pi / 4)
-        number("shaft_angle", self.shaft_angle, "rad", above=0.0, below=math.pi)
-        number("limit_pressure_angle_influence", self.limit_pressure_angle_influence, least=0.0, most=1.0)
 
 
 def _given(values: Mapping[str, Any], names: tuple[str, ...]) -> list[str]:

@@ -120,7 +120,7 @@ class CrownGear:
     cutter_lead_angle: float  # its radius to the normal of the tooth line (nu) [rad]; 0 face-milled
     centre_distance: float  # to the centre of the cutter (rho_P0) [mm]
     base_radius: float  # rho_b [mm]; the centre distance when face-milled
-    mean_radius_of_curvature: float
+    tooth_line_radius_of_curvature: float  # at the mean point
 
     def spiral_angle(self, cone_distance: float) -> float:
         """Spiral angle [rad] at a distance from the apex [mm] along the cone (ISO 23509:2016, 179 to 184)."""
@@ -219,8 +219,7 @@ def _ratio(design: BlankDesign) -> float:
 
 
 def _outer_diameter(design: BlankDesign) -> float:
-    if design.gear_outer_pitch_diameter is None:
-        raise InputError(f"gear_outer_pitch_diameter: method {design.method} needs it")
+    assert design.gear_outer_pitch_diameter is not None  # given but for method 2
     return design.gear_outer_pitch_diameter
 
 
@@ -287,7 +286,7 @@ def _gleason(design: BlankDesign) -> PitchCones:
 
     def mismatch(trial: PitchCones) -> float:
         crown = crown_gear(design, trial.gear_pitch_angle, trial.gear_mean_cone_distance, trial.gear_mean_spiral_angle)
-        return crown.mean_radius_of_curvature * trial.limit_curvature - 1.0
+        return crown.tooth_line_radius_of_curvature * trial.limit_curvature - 1.0
 
     reach = radius * (math.tan(first) * math.cos(excess) - math.sin(excess)) + pinion_radius
     start = math.atan2(offset, reach)
@@ -301,10 +300,8 @@ def _oerlikon(design: BlankDesign) -> PitchCones:
 
     Here offset, shaft angle and that condition hold exactly; the standard stops at 1 % of it.
     """
-    if design.gear_mean_pitch_diameter is None:
-        raise InputError("gear_mean_pitch_diameter: method 2 needs it")
-    diameter = design.gear_mean_pitch_diameter
-    cutter = design.cutter_radius
+    diameter, cutter = design.gear_mean_pitch_diameter, design.cutter_radius
+    assert diameter is not None  # given for method 2
 
     def cones(gear_pitch_angle: float) -> PitchCones:
         return _touching_cones(design, gear_pitch_angle, diameter)

@@ -30,7 +30,7 @@ from easeoff.geometry.design.blank import mean_point_angles
 from easeoff.geometry.design.closest_fit import StandardSteps
 from easeoff.geometry.design.pair_design import PairDesign, design_pair
 from easeoff.geometry.design.pinion_method import SettingLimits, SetUpMethod, at_limit, shared_settings
-from easeoff.geometry.design.set_up_fit import MeanSlot, along_the_root, set_up_residual, with_positive_tilt
+from easeoff.geometry.design.set_up_fit import MeanSlot, SetUpResidual, along_the_root, with_positive_tilt
 from easeoff.geometry.design.synthesis import root_gap
 from easeoff.geometry.flanks.flank import solve_flank
 from easeoff.study import DesignReport, design_case
@@ -106,7 +106,7 @@ def test_completing_leaves_the_tooth_of_the_blank() -> None:
     designed = made("completing", None, True)
     concave, convex = (designed.pinion[side].surface for side in SIDES)
     section = blank_section(designed.blank.pinion, designed.blank.clearance)
-    slot = MeanSlot.of(concave, convex, section, designed.blank)
+    slot = MeanSlot(concave, convex, section, designed.blank)
     assert abs(slot.error(concave, convex)) < 2e-3
     blank = designed.blank
     assert slot.wanted + blank.pinion.mean_normal_thickness == pytest.approx(math.pi * blank.mean_normal_module)
@@ -145,7 +145,7 @@ def test_derivatives_of_a_set_up_are_those_of_its_residuals(method: SetUpMethod)
     sides = {
         side: (pair, targets[side], root_gap(pair.pinion.loaded, pair.pinion.section)) for side, pair in pairs.items()
     }
-    fit = set_up_residual(sides, shared, designed.blank)
+    fit = SetUpResidual(sides, shared, designed.blank)
     here = np.full(fit.size, 0.01)
     fit(here)
     found = fit.jacobian(here)
