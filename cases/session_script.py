@@ -15,7 +15,9 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Mapping
+from configparser import RawConfigParser
 from dataclasses import dataclass, field
+from importlib import resources
 from pathlib import Path
 from typing import Any, Literal
 
@@ -23,7 +25,7 @@ from ..core.errors import InputError, errors_about
 from ..core.regular_file import LINE_LENGTH_LIMIT, SCRIPT_SIZE_LIMIT, read_text
 from .reading import check_case
 from .schema.case_schema import Case
-from .schema.cutting_table import RELIEFS, ROLL_KEYS
+from .schema.cutting_table import RELIEFS
 
 MemberName = Literal["PINION", "GEAR"]
 MenuPath = tuple[str, str, str]
@@ -33,52 +35,16 @@ ROTOR_MEMBERS: dict[str, MemberName] = {"1": "PINION", "2": "GEAR"}
 TYPE_MEMBERS: dict[str, MemberName] = {"FACEMILLED_PINION": "PINION", "FACEMILLED_GEAR": "GEAR"}
 WORD_COUNT_LIMIT = 1000  # of a line that are read
 #: Keywords that must be there and others that may, with the keys of a case that they are.
-BLANK_KEYWORDS = (
-    {
-        "PITCHANGLE": "pitch_angle",
-        "FACEANGLE": "face_angle",
-        "OUTERCONEDIST": "outer_cone_distance",
-        "FACEWIDTH": "face_width",
-    },
-    {
-        "PITCHAPEX": "pitch_apex_beyond_crossing_point",
-        "FACEAPEX": "face_apex_beyond_crossing_point",
-        "ROOTAPEX": "root_apex_beyond_crossing_point",
-        "FRONTANGLE": "front_angle",
-        "BACKANGLE": "back_angle",
-    },
-)
-GENERATED_KEYWORDS = (
-    {
-        "RADIALSETTING": "radial_distance",
-        "CRADLEANGLE": "cradle_angle",
-        "ROOTANGLE": "machine_root_angle",
-        "RATIOROLL": "ratio_of_roll",
-    },
-    {
-        "TILTANGLE": "cutter_tilt",
-        "SWIVELANGLE": "cutter_swivel",
-        "BLANKOFFSET": "work_offset",
-        "SLIDINGBASE": "sliding_base",
-        "MACHCTRBACK": "machine_center_to_crossing_point",
-        **{key.replace("modified_roll", "MODROLL").upper(): key for key in ROLL_KEYS},
-    },
-)
-FORMATE_KEYWORDS = (
-    {"HORIZONTAL": "horizontal_distance", "VERTICAL": "vertical_distance", "ROOTANGLE": "machine_root_angle"},
-    {"MACHCTRBACK": "machine_center_to_crossing_point"},
-)
-BLADE_KEYWORDS = (
-    {"POINTRADIUS": "blade_point_radius", "BLADEANGLE": "blade_pressure_angle"},
-    {"EDGERADIUS": "tool_edge_radius"},
+_KEYWORDS = RawConfigParser(comment_prefixes=";")
+_KEYWORDS.optionxform = str  # type: ignore[assignment,method-assign]  # keywords stay in capitals
+_KEYWORDS.read_string(resources.files(__package__).joinpath("session_keywords.ini").read_text(encoding="utf-8"))
+BLANK_KEYWORDS, GENERATED_KEYWORDS, FORMATE_KEYWORDS, BLADE_KEYWORDS = (
+    (dict(_KEYWORDS[f"{table} needed"]), dict(_KEYWORDS[f"{table} optional"]))
+    for table in ("BLANK", "GENERATED", "FORMATE", "BLADE")
 )
 #: Of a relief, after its name, by what its option says.
-RELIEF_KEYWORDS = {
-    "NONE": {},
-    "BLENDED": {"DEPTH": "depth", "BLEND_RADIUS": "radius"},
-    "STRAIGHT": {"DEPTH": "depth", "ANGLE": "angle"},
-}
-MOTION_LETTERS = {"R": "radial_distance", "V": "work_offset", "H": "sliding_base"}
+RELIEF_KEYWORDS = {option: dict(_KEYWORDS[f"RELIEF {option}"]) for option in ("NONE", "BLENDED", "STRAIGHT")}
+MOTION_LETTERS = dict(_KEYWORDS["MOTION"])
 MOTION_ORDERS = range(1, 7)
 #: Settings that a case can hold, menu by menu.
 MENU_KEYWORDS: dict[str, frozenset[str]] = {

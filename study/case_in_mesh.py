@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ..cases.analysis_size import AnalysisSize
 from ..cases.conversion import elastic_model, finite_elements, gear_pair, misalignment as case_misalignment
 from ..cases.deflection_table import MisalignmentSource, misalignment_of
-from ..cases.deflections import Deflections, misalignment_at
+from ..cases.deflections import UNITS, Deflections, misalignment_at
 from ..cases.reading import read_case
 from ..cases.schema.case_schema import Case, MisalignmentTable
 from ..cases.writing import case_toml
@@ -89,12 +89,7 @@ def prepared_pair(case: Case, flank: FlankName, misalignment: MisalignmentSource
 
 def misalignment_attributes(misalignment: Misalignment) -> dict[str, float]:
     """Attributes of a file: the assembly errors E, P, G and Sigma, in this order."""
-    return {
-        "misalignment_offset_mm": misalignment.offset,
-        "misalignment_pinion_axial_mm": misalignment.pinion_axial,
-        "misalignment_gear_axial_mm": misalignment.gear_axial,
-        "misalignment_shaft_angle_rad": misalignment.shaft_angle,
-    }
+    return {f"misalignment_{name}_{unit}": getattr(misalignment, name) for name, unit in UNITS.items()}
 
 
 def deflection_attributes(

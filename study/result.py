@@ -90,6 +90,8 @@ VARIABLES, COMPUTED, GROUPS = (
         ("modification", "optimization", "root_stress", "optimal_settings", "front", "backlash"),
     )
 )
+#: Variables that ``key_numbers`` takes over, by their dimensions.
+KEY_NUMBERS = _LAYOUTS["key numbers"].needed
 #: Dimensions along which there may be nothing: of a search without limits, or that was gone on from and ended at once.
 PERHAPS_EMPTY = ("quantity_limit", "programme")
 #: Dimensions that every group counts for itself: edges of a tooth pair may carry where it has no contact line.

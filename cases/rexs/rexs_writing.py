@@ -33,6 +33,9 @@ from . import rexs_vocabulary as rexs
 from .rexs_reading import HANDS, ModelWriter, Value
 from .rexs_vocabulary import Hand, Term, opposite, side
 
+#: Keys of a case that a file holds, or that have a note of their own.
+HELD = ("easeoff_case", "title", "pair", "blank_design", "pinion", "gear", "misalignment", "supports")
+
 
 @dataclass(frozen=True)
 class ContactPoints:
@@ -107,16 +110,7 @@ def write_rexs(case: Case, path: str | os.PathLike[str], contact: ContactPoints 
     if contact is not None:
         _write_contact(file, stage, {pinion: hand, gear: opposite(hand)}, contact)
 
-    for name in (
-        "description",
-        "corrected_flanks",
-        "contact",
-        "compliance",
-        "friction",
-        "target",
-        "drawing",
-        "load_cases",
-    ):
+    for name in (name for name in Case.model_fields if name not in HELD):
         if getattr(case, name) != Case.model_fields[name].default:
             notes.append(f"{name}: left out, REXS cannot hold it")
     if case.misalignment.deflections:

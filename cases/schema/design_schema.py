@@ -215,11 +215,8 @@ class Design(InputFile):
     @property
     def usual_generation(self) -> Literal["formate", "generated"]:
         """Cutting of the gear by the pitch angle that it has without an offset."""
-        shaft, pinion, gear = (
-            math.radians(self.pair.shaft_angle),
-            self.pinion.number_of_teeth,
-            self.gear.number_of_teeth,
-        )
+        shaft = math.radians(self.pair.shaft_angle)
+        pinion, gear = self.pinion.number_of_teeth, self.gear.number_of_teeth
         flat = math.sin(shaft) * gear > FORMATE_RATIO * (pinion + gear * math.cos(shaft))
         return "formate" if flat else "generated"
 

@@ -18,44 +18,13 @@ from ...core.attributes import labelled, ordered
 from ...core.checks import instance
 from ...core.errors import InputError
 from ...geometry.pair.member_names import MEMBERS
-from ..result import GRID, PATTERN
+from ..result import CONDITIONS, GRID, KEY_NUMBERS, PATTERN
 
 HARMONIC_COUNT = 3  # of the transmission error
 UNLOADED = ("contact_ratio", "pinion_peak_to_peak", *PATTERN)
 LIGHT_LOAD = ("torque", "contact_ratio", *PATTERN)
-LOADED = (
-    "mean_level",
-    "peak_to_peak",
-    "pinion_mean_level",
-    "pinion_peak_to_peak",
-    "rms",
-    "contact_ratio",
-    "max_load_share",
-    *PATTERN,
-    "max_pressure",
-    "max_pressure_lengthwise",
-    "max_pressure_profile",
-    "max_pressure_position",
-    "max_pressure_pair",
-    "max_pressure_line_end",
-    "mean_mesh_stiffness",
-)
-FRICTION = (
-    "efficiency",
-    "mean_power_loss",
-    "mean_rolling_loss",
-    "mean_friction_coefficient",
-    "min_film_thickness",
-    "min_film_position",
-    "min_film_lengthwise",
-    "min_film_profile",
-    "max_flash_temperature",
-    "max_flash_position",
-    "max_flash_lengthwise",
-    "max_flash_profile",
-    "max_contact_temperature",
-    "max_pressure_velocity",
-)
+#: Numbers over the torque, of the group ``loaded``; and over the operating conditions, of ``friction``.
+LOADED, FRICTION = KEY_NUMBERS["torque",], KEY_NUMBERS[CONDITIONS]
 
 
 def key_numbers(result: xr.DataTree | Mapping[str, xr.Dataset]) -> xr.Dataset:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any, get_args
 
+from ...cases.deflections import ERROR_FIELDS
 from ...cases.writing import numeric_keys, require_numeric_key
 from ...core.checks import number, one_of, shown
 from ...core.errors import InputError, suggestion
@@ -78,10 +79,7 @@ REMARKS = {
 }
 #: Keys of the case that are swept under another name.
 ALIASES = {
-    "misalignment.offset": "E",
-    "misalignment.pinion_axial": "P",
-    "misalignment.gear_axial": "G",
-    "misalignment.shaft_angle": "Sigma",
+    **{f"misalignment.{key}": name for name, key in ERROR_FIELDS.items()},
     "contact.torques": "torque",
     **{f"friction.{name}": name for name in (*CONDITIONS, "oil")},
 }

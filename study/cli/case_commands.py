@@ -35,9 +35,7 @@ TAKEN_BY = {
     "File to write: .toml, of load cases .csv.", required=False, show_default="NAME, if it is that of a file"
 )
 @click.option("--force", is_flag=True, help="Replace a file that was edited or written by hand.")
-@click.option(
-    "--ratio", type=float, metavar="R", help="Of a design, with --torque: size a pair of this ratio, 1 to 10."
-)
+@option.number("--ratio", "R", "Of a design, with --torque: size a pair of this ratio, 1 to 10.")
 @click.option("--torque", type=float, metavar="T", help="Torque at the pinion in N m: of vehicles peak, else lasting.")
 @click.option("--speed", type=float, metavar="N", help="Speed of the pinion in 1/min, for the dynamic factor.")
 @click.option("--shaft-angle", type=float, metavar="ANGLE", help="In degrees, 60 to 120.  [default: 90]")
@@ -78,9 +76,7 @@ def new(kind: str, name: str | None, output: Path | None, force: bool, **sizing:
 
 @click.command(cls=Command)
 @click.option("--viscosity-40", type=float, required=True, metavar="V", help="Kinematic viscosity at 40 degC in mm2/s.")
-@click.option(
-    "--viscosity-100", type=float, required=True, metavar="V", help="Kinematic viscosity at 100 degC in mm2/s."
-)
+@option.number("--viscosity-100", "V", "Kinematic viscosity at 100 degC in mm2/s.", required=True)
 @click.option("--density", type=float, required=True, metavar="RHO", help="Density at 15 degC in kg/m3.")
 @click.option("--base-oil", required=True, metavar="BASE", help="mineral, pao, pag or ester.")
 @click.option("--title", metavar="TEXT", help="What the oil is.  [default: from the numbers]")

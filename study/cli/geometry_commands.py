@@ -84,16 +84,10 @@ def tolerance(text: str) -> tuple[float, float]:
     "File to write; its suffix decides: .csv, .nc (measuring points), .step, .stp (CAD surfaces), .stl, .vtk, .vtu "
     "(meshes). Of a RESULT: .vtu, .rexs."
 )
-@click.option("--member", type=click.Choice(["pinion", "gear"]), default="pinion", help="Member to export.")
-@click.option(
-    "--flank", type=click.Choice(["concave", "convex", "both"]), default="both", help="Flank of the member to export."
-)
-@click.option(
-    "--rows", type=click.IntRange(2, 1001), metavar="N", show_default="5", help="Points: rows from root to tip."
-)
-@click.option(
-    "--columns", type=click.IntRange(2, 1001), metavar="N", show_default="9", help="Points: columns from toe to heel."
-)
+@option.choice("--member", ("pinion", "gear"), "Member to export.")
+@option.choice("--flank", ("concave", "convex", "both"), "Flank of the member to export.", "both")
+@option.value("--rows", "N", "Points: rows from root to tip.", "5", type=click.IntRange(2, 1001))
+@option.value("--columns", "N", "Points: columns from toe to heel.", "9", type=click.IntRange(2, 1001))
 @click.option(
     "--margins",
     callback=margins,
@@ -108,16 +102,8 @@ def tolerance(text: str) -> tuple[float, float]:
     show_default="no limits",
     help="Points: limits of the deviation in um, along the normal, one number for both sides; columns of the file.",
 )
-@click.option(
-    "--teeth", callback=teeth, metavar="N|all", show_default="1", help="Surfaces and meshes: number of teeth."
-)
-@click.option(
-    "--nodes",
-    callback=nodes,
-    metavar="LxP",
-    show_default="61x31",
-    help="Surfaces and meshes: nodes of a flank, lengthwise x profile.",
-)
+@option.value("--teeth", "N|all", "Surfaces and meshes: number of teeth.", "1", callback=teeth)
+@option.value("--nodes", "LxP", "Surfaces and meshes: nodes of a flank, lengthwise x profile.", "61x31", callback=nodes)
 @option.number("--torque", "T", "Result: torque at the pinion in N m, one of those of the result.", "the greatest")
 @option.number(
     "--mesh-position", "Q", "Result: mesh position, from 0 to 1 over a pinion pitch, one of those of the result.", "0"

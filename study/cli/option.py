@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import reduce
+from functools import partial, reduce
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -30,9 +30,9 @@ def adding(*options: Any) -> Callable[[Any], Any]:
     return added
 
 
-def choice(name: str, words: Sequence[str], text: str) -> Callable[[Command], Command]:
-    """Option of a command: one of some words, the first if it is left out."""
-    return click.option(name, type=click.Choice(words), default=words[0], help=text)
+def choice(name: str, words: Sequence[str], text: str, usual: str | None = None) -> Callable[[Command], Command]:
+    """Option of a command: one of some words, the first or the usual one if it is left out."""
+    return click.option(name, type=click.Choice(words), default=usual or words[0], help=text)
 
 
 #: Option ``--flank`` of a command: drive or coast.
@@ -62,9 +62,15 @@ def file(*names: str, text: str, folder: bool = False, **settings: Any) -> Calla
     return click.option(*names, type=kind, help=text, **{"metavar": "FOLDER" if folder else "FILE", **settings})
 
 
-def number(name: str, metavar: str, text: str, usual: str) -> Callable[[Command], Command]:
-    """Option of a command: a number, and in words what is taken without it."""
-    return click.option(name, type=float, metavar=metavar, show_default=usual, help=text)
+def value(
+    name: str, metavar: str, text: str, usual: str | None = None, **settings: Any
+) -> Callable[[Command], Command]:
+    """Option of a command: its value, its description, and in words what is taken without it."""
+    return click.option(name, metavar=metavar, help=text, show_default=usual, **settings)
+
+
+#: Option of a command: a number; arguments as of ``value``.
+number = partial(value, type=float)
 
 
 def output(text: str, *, required: bool = True, **settings: Any) -> Callable[[Command], Command]:
@@ -110,9 +116,7 @@ def marking(
     default: str = "contact.separation of the case",
 ) -> Callable[[Command], Command]:
     """Option ``--marking`` of a command: thickness of the marking compound."""
-    return click.option(
-        "--marking", type=float, callback=reader(_thickness), metavar="THICKNESS", show_default=default, help=text
-    )
+    return number("--marking", "THICKNESS", text, default, callback=reader(_thickness))
 
 
 def _thickness(value: float) -> float:
@@ -207,13 +211,7 @@ friction = adding(
         help="Speeds of the pinion in 1/min, or FROM:TO:COUNT; adds friction, power loss and efficiency. The table "
         "[friction] of the case replaces the defaults of this and the following options.",
     ),
-    click.option(
-        "--oil",
-        metavar="OIL",
-        show_default="75w90",
-        shell_complete=oil_names,
-        help="Lubricant: the name of a shipped one, or a TOML file.",
-    ),
+    value("--oil", "OIL", "Lubricant: the name of a shipped one, or a TOML file.", "75w90", shell_complete=oil_names),
     click.option(
         "--temperature",
         callback=reader(lambda text: numbers(text, from_zero=True)),
@@ -236,12 +234,7 @@ friction = adding(
         help="Friction coefficient: a model (kolivand_blended, kolivand, mixed_lubrication, xu_kahraman, "
         "benedict_kelly), or a number from 0 to 1.",
     ),
-    click.option(
-        "--film-heating",
-        metavar="FACTOR",
-        show_default="none",
-        help="Heat of the inlet thins the film: none, gupta_cheng or murch_wilson.",
-    ),
+    value("--film-heating", "FACTOR", "Heat of the inlet thins the film: none, gupta_cheng or murch_wilson.", "none"),
     click.option(
         "--clamp-temperature/--no-clamp-temperature",
         default=None,

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 Given = TypeVar("Given")
 Value = TypeVar("Value")
 WHOLE_NUMBER = re.compile(r"[+-]?\d+")
+MEMBER_FILE = re.compile(r"(pinion|gear)\s*=\s*(.+)", re.DOTALL)
 MISALIGNMENT_KEYS = ("E", "P", "G", "Sigma")
 #: Kinds of steps of a machine's settings.
 STEPS = ("length", "angle", "roll", "modified_roll", "motion", "blade_radius", "blade_angle", "edge_radius")
@@ -96,7 +97,7 @@ def keyed_texts(texts: tuple[str, ...], pattern: re.Pattern[str], wanted: str) -
         if parts is None:
             raise click.BadParameter(f"{text!r}: must be {wanted}")
         if parts[1] in found:
-            raise click.BadParameter(f"{parts[1]} comes twice")
+            raise click.BadParameter(f"{text!r}: {parts[1]} comes twice")
         found[parts[1]] = parts
     return found
 
@@ -161,15 +162,8 @@ def assembly_errors(text: str) -> Misalignment | Deflections:
 
 def deviation_files(texts: tuple[str, ...]) -> dict[str, str]:
     """Files of deviations by member."""
-    values: dict[str, str] = {}
-    for text in texts:
-        member, equals, file = (part.strip() for part in text.partition("="))
-        if not equals or not file or member not in ("pinion", "gear"):
-            raise click.BadParameter(f"{text!r}: must be pinion=FILE or gear=FILE")
-        if member in values:
-            raise click.BadParameter(f"{text!r}: {member} comes twice")
-        values[member] = file
-    return values
+    found = keyed_texts(texts, MEMBER_FILE, "pinion=FILE or gear=FILE")
+    return {member: parts[2] for member, parts in found.items()}
 
 
 def two_counts(text: str, wanted: str) -> tuple[int, int]:

@@ -77,9 +77,7 @@ def show(result: Path) -> None:
 @click.option(
     "--format", "file_format", type=click.Choice(["png", "svg", "pdf"]), default="png", help="Format of the files."
 )
-@click.option(
-    "--dpi", type=click.IntRange(30, 1200), metavar="N", show_default="160", help="Dots per inch of PNG files."
-)
+@option.value("--dpi", "N", "Dots per inch of PNG files.", "160", type=click.IntRange(30, 1200))
 @option.marking(default="that of the result")
 def plot(result: Path, folder: Path | None, output: Path | None, dpi: int | None, **options: Any) -> None:
     """Draw pictures of RESULT into FOLDER.

@@ -64,9 +64,7 @@ def coefficients(text: str) -> tuple[float, float]:
     metavar="T|T1=SHARE1,T2=SHARE2,...",
     help="Torque at the pinion in N m, or a duty cycle: torques with their shares of the revolutions.",
 )
-@click.option(
-    "--revolutions", type=float, required=True, metavar="N", help="Revolutions of the pinion after which to stop."
-)
+@option.number("--revolutions", "N", "Revolutions of the pinion after which to stop.", required=True)
 @click.option(
     "--coefficient",
     callback=coefficients,
@@ -74,15 +72,10 @@ def coefficients(text: str) -> tuple[float, float]:
     metavar="K|PINION/GEAR",
     help="Archard's wear coefficient in mm^2/N; greater by orders of magnitude for lapping.",
 )
-@click.option(
-    "--largest-step", metavar="UM", default=0.5, help="Wear depth in um after which the contact is computed anew."
-)
+@option.value("--largest-step", "UM", "Wear depth in um after which the contact is computed anew.", default=0.5)
 @option.number("--largest-depth", "UM", "Wear depth in um at which to stop.", "no limit")
-@click.option(
-    "--most-steps",
-    metavar="N",
-    default=1000,
-    help="The most steps to take; wear that needs more is refused before it begins.",
+@option.value(
+    "--most-steps", "N", "The most steps to take; wear that needs more is refused before it begins.", default=1000
 )
 @option.output("netCDF file to write.")
 def wear(case: str, coefficient: tuple[float, float], output: Path, supports: str | None, **options: Any) -> None:
@@ -329,11 +322,10 @@ def _ranges(texts: tuple[str, ...]) -> dict[str, tuple[float, float]]:
     help="Limit of a quantity in urad, MPa, W, um or mm, such as 'max_pressure@250<=1500'. May be repeated; the "
     "root line is kept within 1 % of the flank's height unless limited.",
 )
-@click.option(
+@option.choice(
     "--form",
-    type=click.Choice(["worst", "weighted", "pareto"]),
-    default="worst",
-    help="The worst ratio to the start decides; the weighted sum of the mean ratios; or the front of two objectives.",
+    ("worst", "weighted", "pareto"),
+    "The worst ratio to the start decides; the weighted sum of the mean ratios; or the front of two objectives.",
 )
 @click.option(
     "--weight",
@@ -343,9 +335,7 @@ def _ranges(texts: tuple[str, ...]) -> dict[str, tuple[float, float]]:
     help="Weights of the objectives.",
 )
 @click.option("--points", type=int, metavar="N", show_default="9", help="Points of the front.")
-@click.option(
-    "--flank", type=click.Choice(["drive", "coast", "both"]), default="drive", help="Flanks in mesh that are analysed."
-)
+@option.choice("--flank", ("drive", "coast", "both"), "Flanks in mesh that are analysed.")
 @option.torque()
 @option.further_misalignments(
     "Further assembly in mm, Sigma in degrees, that counts as much as the case's own.", "E=..,P=..,G=..,Sigma=.."

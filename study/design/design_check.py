@@ -27,7 +27,7 @@ from ...cases.schema.case_schema import Case
 from ...cases.schema.design_schema import FORMATE_RATIO, Design
 from ...contact.compliance.finite_elements.finite_element_tooth import require_solid_shell
 from ...contact.evaluation.flank_region import flank_share
-from ...core.arrays import Array, Bools, record
+from ...core.arrays import Array, record
 from ...core.errors import EaseoffError, GeometryError, InputError
 from ...geometry.cutting.generating_surface import GeneratingSurface
 from ...geometry.design import slot_width
@@ -40,7 +40,7 @@ from ...geometry.design.slot_width import EdgeRadiusLimits, SlotWidths, ToothLin
 from ...geometry.design.tooth_proportions import FILLET_MUTILATION, ToothProportions, measured_proportions
 from ...geometry.flanks.blank_section import BlankSection
 from ...geometry.flanks.flank import NodeStatus
-from ...geometry.pair.ease_off import EaseOff, exact_ease_off
+from ...geometry.pair.ease_off import exact_ease_off
 from ...geometry.pair.gear_pair import MEMBERS, FlankName, GearPair, bodies, grid
 from ...geometry.pair.tooth_thickness import contradictions, unmet_tips
 from ...geometry.tooth.tooth_flanks import MemberName
@@ -548,10 +548,12 @@ def _side(design: Design, designed: PairDesign, side: FlankName) -> SideReport:
     ease_off = exact_ease_off(gear, pair.pinion.loaded, pair.pinion.section, pair.assembly)
     inside = ease_off.status == NodeStatus.INSIDE
     wanted = ease_off_target(getattr(design.target, side))
-    residual = fit.residual
+    residual, lever = fit.residual, ease_off.lever_arm[inside]
     if designed.gear[0].settings.generated or design.pinion.method != "closest_fit":
-        residual = _left(ease_off, wanted(*(f.ravel() for f in np.meshgrid(t, h, indexing="ij"))), inside)
-    gap = (ease_off.angle[inside] - ease_off.angle[inside].min()) * ease_off.lever_arm[inside]
+        lengthwise, profile = np.meshgrid(t, h, indexing="ij")
+        difference = ease_off.angle[inside] * lever - wanted(lengthwise.ravel(), profile.ravel())[inside]
+        residual = without_rotation(difference, lever)
+    gap = (ease_off.angle[inside] - ease_off.angle[inside].min()) * lever
     return SideReport(
         moved=fit.moved,
         residual=residual,
@@ -587,9 +589,3 @@ def rounding_limits(design: Design, report: DesignReport, case: Case) -> tuple[d
         radius = member.concave.cutter.tool_edge_radius
         member_ranges["edge_radius"] = min(least, radius), radius
     return ranges
-
-
-def _left(ease_off: EaseOff, wanted: Array, inside: Bools) -> Array:
-    """Ease-off less target on the common flank (n) [mm], up to a rotation of the gear."""
-    lever = ease_off.lever_arm[inside]
-    return without_rotation(ease_off.angle[inside] * lever - wanted[inside], lever)

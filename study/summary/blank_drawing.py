@@ -20,38 +20,12 @@ from ...geometry.pair.gear_pair import MEMBERS, GearPair, pair_geometry
 from ...geometry.pair.tooth_thickness import mean_cone_distances, mean_thicknesses
 from ...geometry.tooth.tooth_flanks import named_member, side
 from .assembly import millimetres
+from .quantities import TABLES
 
 SIDES = ("concave", "convex")
 
 #: Names of the rows with their units, in their order; symbols are those of ISO 23509.
-ROWS = {
-    "outer_pitch_diameter": ("outer pitch diameter d_e", "mm"),
-    "mean_pitch_diameter": ("mean pitch diameter d_m", "mm"),
-    "outer_tip_diameter": ("outside diameter d_ae", "mm"),
-    "outer_transverse_module": ("outer transverse module m_et", "mm"),
-    "mean_normal_module": ("mean normal module m_mn", "mm"),
-    "mean_spiral_angle": ("mean spiral angle", "°"),
-    "concave_pressure_angle": ("normal pressure angle, concave flank", "°"),
-    "convex_pressure_angle": ("normal pressure angle, convex flank", "°"),
-    "outer_addendum": ("outer addendum h_ae", "mm"),
-    "outer_dedendum": ("outer dedendum h_fe", "mm"),
-    "outer_whole_depth": ("outer whole depth h_e", "mm"),
-    "mean_addendum": ("mean addendum h_am", "mm"),
-    "mean_dedendum": ("mean dedendum h_fm", "mm"),
-    "addendum_angle": ("addendum angle", "°"),
-    "dedendum_angle": ("dedendum angle", "°"),
-    "crown_distance": ("crown to crossing point t_xo", "mm"),
-    "front_crown_distance": ("front crown to crossing point t_xi", "mm"),
-    "mean_cone_distance": ("mean cone distance R_m", "mm"),
-    "mean_normal_thickness": ("mean normal circular thickness s_mn", "mm"),
-    "mid_flank_thickness": ("normal circular thickness in the middle of the flank", "mm"),
-    "mean_normal_chordal_thickness": ("mean normal chordal thickness s_mnc", "mm"),
-    "mean_chordal_addendum": ("mean chordal addendum h_amc", "mm"),
-    "cutter_radius": ("mean radius of the blade tips", "mm"),
-    "point_width": ("difference of the radii of the blade tips", "mm"),
-    "toe": ("toe of the pitch cone on the axis, from the crossing point", "mm"),
-    "heel": ("heel of the pitch cone on the axis, from the crossing point", "mm"),
-}
+ROWS: dict[str, tuple[str, str]] = {key: (name, unit) for key, (name, unit) in TABLES["drawing"].items()}
 CUTTER_ROWS = ("cutter_radius", "point_width")
 
 

@@ -18,6 +18,7 @@ from ...core.errors import printable, shortened
 from ...core.regular_file import parsed_json
 from ..analysis.key_numbers import MODEL_NAMES
 from ..compare.comparison_table import FORMAT as COMPARISON_FORMAT
+from .quantities import TABLES
 
 #: Fields of a BibTeX entry that locate a work, in the order of a line of text, with what stands before each.
 PLACES = {"journal": "", "booktitle": "", "school": "", "institution": "", "number": "no. ", "volume": "vol. "}
@@ -82,26 +83,9 @@ def _works_of(text: str) -> dict[str, PublishedWork]:
 WORKS = _works_of(resources.files(__package__).joinpath("published_works.bib").read_text(encoding="utf-8"))
 
 #: Keys of works by the attribute and the model that it names.
-MODELS: dict[str, dict[str, tuple[str, ...]]] = {
-    "friction_coefficient": {
-        **dict.fromkeys(("kolivand", "kolivand_blended"), ("kolivand_2009",)),
-        **{"xu_kahraman": ("xu_2007",), "benedict_kelly": ("benedict_1961",)},
-    },
-    "film": {"pan_hamrock": ("pan_1989",), "dowson_higginson": ("dowson_1966",)},
-    "film_heating": {"murch_wilson": ("murch_1975",), "gupta_cheng": ("gupta_1992",)},
-    "thermal_factor": {
-        "goksem_hargreaves": ("goksem_1978",),
-        "murch_wilson": ("murch_1975",),
-        "gupta_cheng": ("gupta_1992",),
-    },
-}
+MODELS: dict[str, dict[str, list[str]]] = TABLES["models"]
 TEXT_LENGTH_LIMIT = 400  # of an attribute
-WORDS = {
-    "friction_coefficient": "friction coefficient",
-    "film": "film thickness",
-    "film_heating": "heat of the inlet, film",
-    "thermal_factor": "heat of the inlet, rolling traction",
-}
+WORDS: dict[str, str] = TABLES["model_words"]
 #: What the package has computed or made itself, with the page that describes it.
 OWN = {
     "solid_shell": "model of this package, see finite_elements.md of its documentation",

@@ -15,13 +15,11 @@ from ...core.arrays import Array
 from ...core.attributes import ordered
 from ..result import CONDITIONS
 from .assembly import SHARES, bearing_loads
-from .quantities import CONDITION_LABELS, FRICTION, LOADED, MEAN_ROUGHNESS, WEAR_DEPTH, Quantity, value_name
+from .quantities import CONDITION_LABELS, LIMITED, MEAN_ROUGHNESS, TABLES, WEAR_DEPTH, Quantity, value_name
 
 OVER, SEGMENTS = ("torque", "mesh_position"), ("torque", "mesh_position", "segment")
 CYCLE = "mesh position"
 ORDER_COUNT = 4  # of the orders drawn over torque
-LAG = "lag of the gear [µrad], downwards"  # as the trade draws it; stored values are positive where the gear lags
-TORQUE, REVOLUTIONS = CONDITION_LABELS["torque"], "revolutions of the pinion"
 
 
 @dataclass(frozen=True)
@@ -45,57 +43,26 @@ def capital(quantity: Quantity) -> str:
     return quantity.label[0].upper() + quantity.label[1:]
 
 
-def _of(quantity: Quantity, source: str, x: str = CYCLE, by: str = "torque") -> ChartKind:
-    """Content of the chart of a quantity."""
+def _of(number: str, source: str, x: str = CYCLE, by: str = "torque") -> ChartKind:
+    """Content of the chart of a number."""
+    quantity = WEAR_DEPTH if number == "wear_depth" else LIMITED[number]
     return ChartKind(capital(quantity), f"[{quantity.unit}]" if quantity.unit else "", source, x, by)
 
 
+def _kind(title: str, y: str, source: str, x: str = CYCLE, by: str = "torque", down: bool = False) -> ChartKind:
+    """Content of a chart, whose abscissa may be an operating condition."""
+    return ChartKind(title, y, source, CONDITION_LABELS.get(x, x), by, down)
+
+
 CHARTS = {
-    "te_unloaded": ChartKind(
-        "Transmission error without load", LAG, "unloaded/transmission_error", "mesh cycles", "", down=True
-    ),
-    "te_loaded": ChartKind("Transmission error under load", LAG, "loaded/transmission_error", down=True),
-    "te_mean": ChartKind("Transmission error under load, about its mean", LAG, "loaded/transmission_error", down=True),
-    "te_orders": ChartKind(
-        "Orders of the transmission error", "amplitude [µrad]", "loaded/harmonic", "order of the mesh frequency"
-    ),
-    "te_torque": ChartKind(
-        "Transmission error over torque", "[µrad]", "loaded/peak_to_peak, loaded/harmonic", TORQUE, ""
-    ),
-    "load_share": ChartKind("Load share", "share of the torque [%]", "loaded/load_share", by="only"),
-    "max_pressure": _of(LOADED["max_pressure"], "loaded/pressure"),
-    "mesh_stiffness": ChartKind("Mesh stiffness", "[N m/µrad]", "loaded/mesh_stiffness"),
-    "edge_share": ChartKind("Share of the load on tooth edges", "[%]", "loaded/edge_share"),
-    "rotation_parts": ChartKind(
-        "Parts of the gear's rotation, mean over the mesh cycle",
-        "[µrad]",
-        "supports/teeth_rotation, contact_rotation, supports_rotation, ease_off_rotation",
-        TORQUE,
-        "",
-    ),
-    "bearing_radial": ChartKind("Radial bearing loads", "[N]", "supports/bearing_force", by="only"),
-    "bearing_axial": ChartKind(
-        "Axial bearing loads, positive towards the heel", "[N]", "supports/bearing_force", by="only"
-    ),
-    "root": ChartKind("Root stress along the face", "[MPa]", "root_stress/root_stress", "from the toe [%]"),
-    "root_cycle": ChartKind("Greatest root stress of the teeth in mesh", "[MPa]", "root_stress/root_stress_history"),
-    "friction_coefficient": ChartKind(
-        "Friction coefficient, mean weighted by force", "", "friction/friction_coefficient"
-    ),
-    "film_thickness": _of(FRICTION["min_film_thickness"], "friction/film_thickness"),
-    "flash_temperature": _of(FRICTION["max_flash_temperature"], "friction/flash_temperature"),
-    "sliding": ChartKind("Sliding velocity, mean weighted by force", "[m/s]", "friction/sliding_velocity"),
-    "pv": _of(FRICTION["max_pressure_velocity"], "loaded/pressure × friction/sliding_velocity"),
-    "power_loss": _of(FRICTION["mean_power_loss"], "friction/mesh_power_loss"),
+    **{name: _kind(*row) for name, row in TABLES["charts"].items()},
+    **{name: _of(*row) for name, row in TABLES["number_charts"].items()},
     **{
-        f"efficiency_{name}": ChartKind(
-            f"Efficiency over {label.partition(' [')[0]}", "[%]", "friction/efficiency", label, ""
+        f"efficiency_{name}": _kind(
+            f"Efficiency over {label.partition(' [')[0]}", "[%]", "friction/efficiency", name, ""
         )
         for name, label in CONDITION_LABELS.items()
     },
-    "wear_depth": _of(WEAR_DEPTH, "largest_depth", REVOLUTIONS, ""),
-    "wear_error": _of(LOADED["peak_to_peak"], "peak_to_peak", REVOLUTIONS, ""),
-    "wear_pressure": _of(LOADED["max_pressure"], "max_pressure", REVOLUTIONS, ""),
 }
 
 

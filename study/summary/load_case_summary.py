@@ -15,7 +15,7 @@ import xarray as xr
 from ...core.errors import printable, shortened
 from .assembly import ERRORS, error_values
 from .plausibility import doubts, executed_settings
-from .quantities import FRICTION, LOADED, ROOT_STRESS, Quantity
+from .quantities import FRICTION, LOADED, ROOT_STRESS, TABLES, Quantity
 from .result_summary import uncertified
 from .table import Table, summary_text, underlined
 
@@ -101,15 +101,7 @@ def load_case_notes(tree: xr.DataTree) -> list[str]:
 
 
 #: Attributes that a summary names, in words, and the longest text of one.
-WORDS = {
-    "title": "title",
-    "case_name": "case",
-    "flank": "flank",
-    "compliance_model": "elastic teeth",
-    "library_version": "library version",
-    "checksum": "checksum of the content",
-    "easeoff_version": "made by easeoff",
-}
+WORDS: dict[str, str] = TABLES["problem_words"]
 TEXT_LIMIT = 100
 
 

@@ -25,7 +25,7 @@ from ...core.attributes import ROOT_RESOLUTION, ordered
 from ...geometry.pair.member_names import MEMBERS
 from ..result import CONDITIONS
 from .assembly import added_notes, bearing_loads, deflection_notes, misfit, towards_heel
-from .quantities import roughness_words
+from .quantities import TABLES, roughness_words
 
 #: [um] Ease-off on the common flank. Shipped pairs have up to 0.16 mm; a lost sign in a setting gives many mm.
 EASE_OFF_LIMIT = 1000.0
@@ -202,24 +202,7 @@ def jump_notes(loaded: xr.Dataset) -> list[str]:
 
 
 #: Inputs that the flags of ``/friction/formula_flags`` are about, 1, 2, 4 and so on.
-FLAGGED_INPUTS = (
-    "slide-to-roll ratio",
-    "pressure",
-    "roughness",
-    "pressure",
-    "radius",
-    "rolling velocity",
-    "roughness",
-    "temperature",
-    "lambda ratio",
-    "coefficient",
-    "radius",
-    "rolling velocity",
-    "viscosity",
-    "pressure-viscosity coefficient",
-    "lambda ratio",
-)
-INPUTS = {2**bit: name for bit, name in enumerate(FLAGGED_INPUTS)}
+INPUTS: dict[int, str] = {2**bit: name for bit, name in enumerate(TABLES["lists"]["flagged_inputs"])}
 #: Least part of the power loss that is told: a pitch line, where nothing slides, has one or two per cent.
 TOLD_SHARE = 0.05
 TOLD_TRANSITION = 0.1  # the same where two expressions of a formula meet

@@ -1,13 +1,20 @@
-"""Operating conditions and reported numbers: label, unit, format and factor of each in one place."""
+"""Operating conditions and reported numbers: label, unit, format and factor of each, from ``quantities.toml``."""
 
 from __future__ import annotations
 
 import math
+import tomllib
 from dataclasses import dataclass
+from importlib import resources
+from typing import Any
 
 import xarray as xr
 
 NO_VALUE = "–"
+#: What ``quantities.toml`` holds, by the names of its tables.
+TABLES: dict[str, dict[str, Any]] = tomllib.loads(
+    resources.files(__package__).joinpath("quantities.toml").read_text(encoding="utf-8")
+)
 #: Units of results as pictures show them.
 UNIT_SIGNS = {"urad": "µrad", "um": "µm", "degree": "°", "degC": "°C", "rpm": "1/min", "1": ""}
 
@@ -75,24 +82,13 @@ def value_name(friction: xr.Dataset | xr.DataArray, condition: str, index: int) 
     return f"{value} {CONDITION_UNITS[condition]}"
 
 
-#: Numbers over torque, by their variables in ``loaded``.
-LOADED = {
-    "mean_level": Quantity("transmission error, mean", "µrad", ".1f"),
-    "peak_to_peak": Quantity("transmission error, peak to peak", "µrad", ".2f", column="peak to\npeak urad"),
-    "pinion_mean_level": Quantity("transmission error of the pinion, mean", "µrad", ".1f"),
-    "pinion_peak_to_peak": Quantity("transmission error of the pinion, peak to peak", "µrad", ".2f"),
-    "mean_mesh_stiffness": Quantity("mesh stiffness, mean", "N m/µrad", ".3f"),
-    "contact_ratio": Quantity("contact ratio under load", "", ".2f", column="contact\nratio"),
-    "max_load_share": Quantity("greatest share of a tooth pair", "%", ".1f", 100.0),
-    "pattern_centre_lengthwise": Quantity("pattern, centre from the toe", "%", ".0f", 100.0, "pattern at\ntoe %"),
-    "pattern_centre_profile": Quantity("pattern, centre from the root", "%", ".0f", 100.0),
-    "pattern_length": Quantity("pattern, length", "%", ".0f", 100.0, "length\n%"),
-    "pattern_height": Quantity("pattern, height", "%", ".0f", 100.0),
-    "max_pressure": Quantity("greatest pressure", "MPa", ".0f", column="pressure\nMPa"),
-    "max_pressure_lengthwise": Quantity("greatest pressure, from the toe", "%", ".0f", 100.0),
-    "max_pressure_profile": Quantity("greatest pressure, from the root", "%", ".0f", 100.0),
-    "max_pressure_position": Quantity("greatest pressure, mesh position", "", ".2f"),
-}
+def _quantities(table: str) -> dict[str, Quantity]:
+    """Numbers of a table by their variables."""
+    return {name: Quantity(*row) for name, row in TABLES[table].items()}
+
+
+#: Numbers over torque, without load by their names in ``key_numbers``, and over the operating conditions.
+LOADED, _UNLOADED, BACKLASH, FRICTION = map(_quantities, ("loaded", "unloaded", "backlash", "friction"))
 GEAR_TORQUE = Quantity("torque of the gear, without losses", "N m", ".4g")
 PINION_POWER = Quantity("power of the pinion", "kW", ".4g", 1e-3)
 #: Lengths at the mean pitch radius and along the common normal: of an angle [urad] times a radius or an arm [mm].
@@ -106,34 +102,8 @@ LOADED_ROWS = LOADED | {"max_edge_share": EDGE_SHARE, "max_pressure_pair": Quant
 ROOT_STRESS = Quantity("greatest root stress", "MPa", ".0f", column="root stress\nMPa")
 #: Numbers without load, by their names in ``key_numbers``, with the variables or attributes that they are.
 UNLOADED = {
-    "common_flank": (Quantity("common flank, part of the gear flank", "%", ".0f", 100.0), "ease_off/inside"),
-    "max_ease_off": (Quantity("greatest ease-off", "µm", ".1f"), "ease_off/ease_off"),
-    "unloaded_peak_to_peak": (LOADED["peak_to_peak"], "unloaded.peak_to_peak"),
-    "unloaded_pinion_peak_to_peak": (LOADED["pinion_peak_to_peak"], "unloaded/pinion_peak_to_peak"),
-    "unloaded_contact_ratio": (Quantity("contact ratio", "", ".2f"), "unloaded/contact_ratio"),
-    "geometric_contact_ratio": (
-        Quantity("geometric contact ratio, of contact lines alone (edges count under load, too)", "", ".2f"),
-        "unloaded/geometric_contact_ratio",
-    ),
-    "unloaded_pattern_length": (Quantity("marking print, length", "%", ".0f", 100.0), "unloaded/pattern_length"),
-    "unloaded_pattern_height": (Quantity("marking print, height", "%", ".0f", 100.0), "unloaded/pattern_height"),
-}
-BACKLASH = {
-    "least_backlash": Quantity("least normal backlash at the heel", "mm", ".3f"),
-    "greatest_backlash": Quantity("greatest normal backlash at the heel", "mm", ".3f"),
-}
-#: Numbers over the operating conditions, by their variables in ``friction``.
-FRICTION = {
-    "mean_friction_coefficient": Quantity("mean friction coefficient", "", ".4f", column="mean\nmu"),
-    "friction_coefficient": Quantity("greatest friction coefficient", "", ".4f"),
-    "sliding_velocity": Quantity("greatest sliding", "m/s", ".2f"),
-    "max_pressure_velocity": Quantity("greatest pressure × sliding", "MPa m/s", ".0f", column="greatest p v\nMPa m/s"),
-    "max_flash_temperature": Quantity("greatest flash temperature", "K", ".1f", column="flash\nK"),
-    "max_contact_temperature": Quantity("greatest contact temperature", "°C", ".1f", column="contact\ndegC"),
-    "min_film_thickness": Quantity("least film", "µm", ".3f", column="least\nfilm um"),
-    "mean_power_loss": Quantity("power loss", "W", ".1f", column="power\nloss W"),
-    "mean_rolling_loss": Quantity("of it rolling", "W", ".1f"),
-    "efficiency": Quantity("efficiency", "%", ".2f", 100.0, "efficiency\n%"),
+    name: (_UNLOADED.get(name) or LOADED[name.removeprefix("unloaded_")], source)
+    for name, source in TABLES["unloaded_sources"].items()
 }
 #: Numbers that a report compares with limits, by their names in ``key_numbers``.
 LIMITED = (

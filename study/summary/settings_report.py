@@ -20,30 +20,8 @@ from ..case_correction import CaseCorrection
 from ..design.design_check import DesignReport, SideReport
 from ..design.optimization.trust_region import RADIUS_MINIMUM
 from .assembly import ERRORS, deflection_notes
-from .quantities import OPTIMIZED
+from .quantities import OPTIMIZED, TABLES
 from .table import Table
-
-ANGLES = (
-    "pressure_angle",
-    "rake_angle",
-    "hook_angle",
-    "cradle_angle",
-    "machine_root_angle",
-    "cutter_tilt",
-    "cutter_swivel",
-)
-MEMBER_ROWS = (
-    ("pitch angle [deg]", "pitch_angle"),
-    ("face angle [deg]", "face_angle"),
-    ("root angle [deg]", "root_angle"),
-    ("mean spiral angle [deg]", "mean_spiral_angle"),
-    ("outer cone distance [mm]", "outer_cone_distance"),
-    ("face width [mm]", "face_width"),
-    ("outer pitch diameter [mm]", "outer_pitch_diameter"),
-    ("mean addendum [mm]", "mean_addendum"),
-    ("mean dedendum [mm]", "mean_dedendum"),
-    ("mean normal thickness [mm]", "mean_normal_thickness"),
-)
 
 
 def design_report(report: DesignReport) -> str:
@@ -94,12 +72,11 @@ def _root(item: SideReport) -> str:
     )
 
 
-def _blank_rows(blank: BlankDimensions) -> Iterator[tuple[str, str, str]]:
-    for label, name in MEMBER_ROWS:
-        values = [getattr(member, name) for member in (blank.pinion, blank.gear)]
-        if "[deg]" in label:
-            values = [math.degrees(value) for value in values]
-        yield label, f"{values[0]:.4f}", f"{values[1]:.4f}"
+def _blank_rows(blank: BlankDimensions) -> Iterator[tuple[str, ...]]:
+    for name in TABLES["lists"]["of_designs"]:
+        unit, factor = ("deg", math.degrees(1.0)) if name.endswith("_angle") else ("mm", 1.0)
+        values = (f"{factor * getattr(member, name):.4f}" for member in (blank.pinion, blank.gear))
+        yield f"{name.replace('_', ' ')} [{unit}]", *values
     module = f"{blank.mean_normal_module:.4f}"
     yield "mean normal module [mm]", module, module
     for side in ("drive", "coast"):
@@ -111,11 +88,7 @@ def unit_of(name: str) -> str:
     """Unit in which a free setting is printed; empty for a ratio."""
     if name == "blade_curvature":
         return "1/mm"
-    if name == "ratio_of_roll" or name.startswith("modified_roll_"):
-        return ""
-    base, _, order = name.partition("_motion_")
-    unit = "deg" if base in ANGLES else "mm"
-    return f"{unit}/rad^{order}" if order else unit
+    return setting_step(name).unit.removeprefix("1")
 
 
 def _moved(item: SideReport) -> str:

@@ -10,6 +10,7 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from html import escape
+from importlib import resources
 from importlib.metadata import version
 from itertools import zip_longest
 
@@ -105,24 +106,7 @@ def _names(heading: str) -> int:
     return 1 if heading.startswith("V-H") else 2
 
 
-PAGE = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<title>{title}</title>
-<style>
-body {{ font-family: sans-serif; margin: 2em; }}
-table {{ border-collapse: collapse; }}
-.note {{ max-width: 60em; padding: 0.4em 0.8em; border-left: 4px solid #c60; background: #fff4e5; }}
-th, td {{ padding: 0.2em 0.8em; border-bottom: 1px solid #ccc; }}
-</style>
-</head>
-<body>
-<h1>{title}</h1>
-{body}
-</body>
-</html>
-"""
+PAGE = resources.files(__package__).joinpath("sheet_page.html").read_text(encoding="utf-8")
 
 
 def summary_sheet(

@@ -14,26 +14,15 @@ import xarray as xr
 
 from ...core.errors import InputError, printable
 from ...geometry.pair.gear_pair import MEMBERS
+from ..result import PATTERN
 from ..sweep.reductions import LOADS, numbers, percentiles, sensitivities, swept_names, worst_points
 from ..sweep.sweep_file import PointStatus
 from .assembly import error_values
-from .quantities import LOADED, WEAR_DEPTH, with_percent
+from .quantities import LOADED, TABLES, WEAR_DEPTH, with_percent
 from .table import Table, filled, underlined
 
 #: Numbers that are shown, where a sweep has them.
-MAIN_NUMBERS = (
-    "peak_to_peak",
-    "max_pressure",
-    "contact_ratio",
-    "max_edge_share",
-    "pattern_centre_lengthwise",
-    "pattern_centre_profile",
-    "pattern_length",
-    "max_root_stress",
-    "efficiency",
-    "min_film_thickness",
-    "max_flash_temperature",
-)
+MAIN_NUMBERS: list[str] = TABLES["lists"]["of_sweeps"]
 SENSITIVE_NUMBERS = ("peak_to_peak", "max_pressure", "pattern_centre_lengthwise")
 SHOWN_PERCENT = (0.0, 5.0, 50.0, 95.0, 100.0)
 SHOWN_LOADS = 3  # torques, and combinations of conditions, that tables show one by one
@@ -237,16 +226,7 @@ def wear_summary(history: xr.Dataset) -> str:
 
 
 HEADERS = ("", "V\nmm", "H\nmm", "centre at\ntoe, root %", "from, to\ntoe %", "height\n%", LOADED["peak_to_peak"])
-VARIABLES = (
-    "v",
-    "h",
-    "pattern_centre_lengthwise",
-    "pattern_centre_profile",
-    "pattern_from",
-    "pattern_to",
-    "pattern_height",
-    "peak_to_peak",
-)
+VARIABLES = ("v", "h", *PATTERN[:2], "pattern_from", "pattern_to", PATTERN[3], "peak_to_peak")
 #: What V and H are positive for, one phrase each.
 SIGNS = ("V positive: the offset grows (E)", "H positive: pinion away from the crossing point (P)")
 
