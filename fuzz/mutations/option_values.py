@@ -249,6 +249,7 @@ OPTIONS: dict[str, Options] = {
     },
     "report": {
         "--author": ("A. Gear", "", "x" * 300, "\x1b[2J", "<b>"),
+        "--limit": ("max_pressure<=1500", "efficiency>=96", "max_pressure=1", "max_presure<=1", "<=", "", "x<=nan"),
         "-o": ("report.html", "report.htm", "report.nc", "r.nc", *PATHS)},
     "cite": {"--bibtex": None},
     "new": {
@@ -262,7 +263,7 @@ OPTIONS: dict[str, Options] = {
     "design": {
         "--force": None, "--report": None, "--allow-outside": None, "--round": None, "--resolution": RESOLUTIONS
     },
-    "sheet": {"--allow-outside": None, "--resolution": RESOLUTIONS},
+    "sheet": {"--allow-outside": None, "--resolution": RESOLUTIONS, "--without-vh": None},
     "convert": {"--force": None, "--allow-outside": None, **PROBLEM_FORMATS},
     "library": {"--parts": ("x", "", "small,", "small,small", "small;medium", "\x1b[2J")},
     "show": {}, "cases": {}, "completion": {},

@@ -79,7 +79,7 @@ STEPS = (
         ("contact/lines",),
         "contact.unloaded_contact",
         "lines of equal roll\nangle, segments,\nedges; print",
-        ("unloaded",),
+        ("unloaded", "backlash"),
     ),
     Step(
         "contact problem",

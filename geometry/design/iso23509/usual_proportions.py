@@ -86,7 +86,8 @@ def _values(
     """Values that there are, whether given or not; ``known`` has each before the next is asked for."""
     groups = "number_of_blade_groups" in known
     as_given = not known.keys().isdisjoint((*THICKNESSES, *BACKLASHES))  # a given thickness is not made less
-    yield DefaultValue("process", "face_hobbed" if groups else "face_milled", "number_of_blade_groups" if groups else "no number_of_blade_groups")
+    source = f"{'' if groups else 'no '}number_of_blade_groups"
+    yield DefaultValue("process", "face_hobbed" if groups else "face_milled", source)
     hobbed = known["process"] == "face_hobbed"
     yield _method(known, hobbed, offset)
     yield DefaultValue("limit_pressure_angle_influence", float(known["method"] == 1), f"{STANDARD}, C.2.5")

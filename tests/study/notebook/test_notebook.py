@@ -425,7 +425,7 @@ def test_a_pattern_ends_at_the_flank(found: xr.Dataset) -> None:
     figure.draw_without_rendering()
     ellipses = [patch for patch in figure.axes[0].patches if isinstance(patch, Ellipse)]
     assert ellipses
-    (left, bottom), (right, top) = figure.axes[0].transData.transform([(0.0, 0.0), (1.0, 1.0)])
+    (left, bottom), (right, top) = figure.axes[0].transData.transform([(0.0, 0.0), (100.0, 100.0)])
     for one in ellipses:
         box = one.get_tightbbox()
         assert box is not None
