@@ -112,7 +112,7 @@ def proportion_warnings(p: ToothProportions) -> Iterator[str]:
         )
 
 
-def unusual_blades(pairs: Mapping[FlankName, GearPair]) -> Iterator[tuple[FlankName, MemberName, float, str]]:
+def unusual_blades(pairs: Mapping[FlankName, GearPair]) -> Iterator[tuple[FlankName, str, float, str]]:
     """Side, member, blade angle [deg] and a sentence of every blade out of the customary range."""
     least, largest = map(math.degrees, BLADE_ANGLES)
     for side, pair in pairs.items():
