@@ -92,49 +92,54 @@ def formate_advice(design: Design) -> list[str]:
     ]
 
 
-def proportion_warnings(blank: BlankDimensions, cutter_radius: float) -> Iterator[str]:
+def proportion_warnings(p: ToothProportions) -> Iterator[str]:
     """Warnings of proportions out of the customary range, each with its value and the range."""
-    gear = blank.gear
-    share = gear.face_width / gear.outer_cone_distance
-    if share > FACE_WIDTH_SHARE:
+    width, outer, mean = p.face_width[1], p.outer_cone_distance[1], p.mean_cone_distance[1]
+    if (share := width / outer) > FACE_WIDTH_SHARE:
         yield (
-            f"gear_face_width = {gear.face_width:g} mm is {100.0 * share:.0f} % of the outer cone distance of "
-            f"{gear.outer_cone_distance:.0f} mm: at most 30 % are usual"
+            f"gear_face_width = {width:g} mm is {100.0 * share:.0f} % of the outer cone distance of {outer:.0f} mm: at "
+            "most 30 % are usual"
         )
+    spirals = {"pinion": p.gear_spiral_angle + p.offset_angle, "gear": p.gear_spiral_angle}
     for name, largest in SPIRAL_ANGLES.items():
-        if (angle := math.degrees(getattr(blank, name).mean_spiral_angle)) > largest:
+        if (angle := math.degrees(spirals[name])) > largest:
             yield f"the {name}'s mean spiral angle of {angle:.1f} degrees is large: up to {largest:.0f} are usual"
-    ratio = cutter_radius / gear.mean_cone_distance
+    ratio = p.cutter_radius / mean
     if not SMALL_CUTTER_RATIO <= ratio < CUTTER_RADIUS_RATIO:
         yield (
-            f"cutter_radius = {cutter_radius:g} mm is {ratio:.2f} times the gear's mean cone distance of "
-            f"{gear.mean_cone_distance:.0f} mm: 0.7 to 1.2 are usual"
-            + (", the radius is meant, not the diameter?" if ratio > 1.0 else "")
+            f"cutter_radius = {p.cutter_radius:g} mm is {ratio:.2f} times the gear's mean cone distance of "
+            f"{mean:.0f} mm: 0.7 to 1.2 are usual" + (", the radius is meant, not the diameter?" if ratio > 1.0 else "")
         )
+
+
+def unusual_blades(pairs: Mapping[FlankName, GearPair]) -> Iterator[tuple[FlankName, str, float, str]]:
+    """Side, member, blade angle [deg] and a sentence of every blade out of the customary range."""
+    least, largest = map(math.degrees, BLADE_ANGLES)
+    for side, pair in pairs.items():
+        for name in MEMBERS:
+            angle = math.degrees(getattr(pair, name).loaded.blade.pressure_angle)
+            if not least <= round(angle, 6) <= largest:
+                said = f"{side}: the {name}'s blade has an angle of {angle:.1f} degrees: {least:.0f} to {largest:.0f}"
+                yield side, name, angle, f"{said} are usual"
 
 
 def blade_warnings(design: Design, designed: PairDesign) -> Iterator[str]:
-    """Warnings of blade angles out of the customary range."""
+    """Warnings of blade angles out of the customary range, with what helps."""
     least, largest = map(math.degrees, BLADE_ANGLES)
-    for k, side in enumerate(SIDES):
-        for name, surface in (("pinion", designed.pinion[side].surface), ("gear", designed.gear[k])):
-            angle = math.degrees(surface.blade.pressure_angle)
-            if least <= round(angle, 6) <= largest:
-                continue
-            change = f"a {'larger' if angle < least else 'smaller'} nominal_{side}_pressure_angle"
-            if name == "pinion":
-                bound = f"smallest_blade_pressure_angle = {least:g} or largest_blade_pressure_angle = {largest:g}"
-                other = ' with method = "tilt"' if design.pinion.method == "closest_fit" else ""
-                change = f"{bound} in [pinion.limits]{other}"
-            usual = f"{least:.0f} to {largest:.0f} are usual; {change} helps"
-            yield f"{side}: the {name}'s blade has an angle of {angle:.1f} degrees: {usual}"
+    for side, name, angle, said in unusual_blades({side: designed.pair(side) for side in SIDES}):
+        change = f"a {'larger' if angle < least else 'smaller'} nominal_{side}_pressure_angle"
+        if name == "pinion":
+            bound = f"smallest_blade_pressure_angle = {least:g} or largest_blade_pressure_angle = {largest:g}"
+            other = ' with method = "tilt"' if design.pinion.method == "closest_fit" else ""
+            change = f"{bound} in [pinion.limits]{other}"
+        yield f"{said}; {change} helps"
 
 
 def failure_advice(design: Design, basic_data: BlankDesign) -> list[str]:
     """Advice, a line each, on what may keep a design from being made."""
     blank = blank_or_none(basic_data)
     advice = [*formate_advice(design), *limit_pressure_angle_advice(basic_data, blank)]
-    unusual = [] if blank is None else proportion_warnings(blank, basic_data.cutter_radius)
+    unusual = [] if blank is None else proportion_warnings(_proportions(design, blank))
     return [*advice, *unusual, *offset_advice(design, basic_data)]
 
 
@@ -296,7 +301,9 @@ def case_warnings(case: Case) -> tuple[ToothSpaces | None, tuple[str, ...]]:
         return None, (f"the teeth are not checked: {error}",)
     warnings = [*contradictions(drive), *narrow_top_lands(drive, proportions.mean_normal_module)]
     warnings += [text for _, text in unfinished_teeth(drive, case.compliance.model)]
-    for side, pair in zip(SIDES, (drive, coast), strict=True):
+    pairs = dict(zip(SIDES, (drive, coast), strict=True))
+    warnings += [*proportion_warnings(proportions), *(said for *_, said in unusual_blades(pairs))]
+    for side, pair in pairs.items():
         warnings += [f"{side}: {text}" for _, text in missing_flanks(unmet_tips(pair))]
     try:
         spaces = tooth_spaces(drive, coast, proportions)
@@ -487,7 +494,7 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
         *unfinished,
         *(spaces.warnings() if spaces is not None else []),
     ]
-    warnings += proportion_warnings(designed.blank, design.blank_design.cutter_radius)
+    warnings += proportion_warnings(_proportions(design, designed.blank))
     warnings += blade_warnings(design, designed)
     teeth = design.pinion.number_of_teeth, design.gear.number_of_teeth
     basic_data = blank_design(design.blank_design, teeth, design.pair)
@@ -502,10 +509,13 @@ def checked_design(design: Design, designed: PairDesign) -> DesignReport:
     return DesignReport(designed.blank, sides, tuple(warnings), analysable, spaces, design.defaults)
 
 
-def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
+def _proportions(design: Design, blank: BlankDimensions) -> ToothProportions:
     given, generated = design.blank_design, design.gear.generation == "generated"
-    groups = given.number_of_blade_groups or 0
-    proportions = ToothProportions.of(designed.blank, given.cutter_radius, groups, generated_gear=generated)
+    return ToothProportions.of(blank, given.cutter_radius, given.number_of_blade_groups or 0, generated_gear=generated)
+
+
+def _spaces(design: Design, designed: PairDesign) -> ToothSpaces | None:
+    proportions = _proportions(design, designed.blank)
     with suppress(GeometryError):
         return tooth_spaces(designed.pair("drive"), designed.pair("coast"), proportions)
     return None

@@ -22,6 +22,7 @@ from easeoff.cases.reading import DESIGN
 from easeoff.cases.schema.case_schema import refuse_inches
 from easeoff.core.toml_text import toml_tables
 from easeoff.geometry.design.blank import blank_dimensions
+from easeoff.geometry.design.tooth_proportions import ToothProportions
 from easeoff.geometry.flanks.flank import NodeStatus
 from easeoff.geometry.pair.assembly import Assembly
 from easeoff.study import analyze_load_cases, vh_check
@@ -247,9 +248,12 @@ def test_a_crowning_in_mm_is_told_by_its_key() -> None:
 @pytest.mark.parametrize("name", ["fm-11x41", "fh-12x41-45", "axle-10x41", "aero-12x36"])
 def test_the_diameter_of_a_cutter_is_told_and_no_radius_of_a_shipped_design(name: str) -> None:
     data = basic_data(read_design(name))
-    assert list(proportion_warnings(blank_dimensions(data), data.cutter_radius)) == []
     large = replace(data, cutter_radius=2.0 * data.cutter_radius)
-    *_, told = proportion_warnings(blank_dimensions(large), large.cutter_radius)
+    usual, unusual = (
+        ToothProportions.of(blank_dimensions(each), each.cutter_radius, generated_gear=True) for each in (data, large)
+    )
+    assert list(proportion_warnings(usual)) == []
+    *_, told = proportion_warnings(unusual)
     assert told.startswith(f"cutter_radius = {2.0 * data.cutter_radius:g} mm")
     assert "not the diameter?" in told
 

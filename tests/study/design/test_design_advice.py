@@ -250,10 +250,10 @@ def test_default_and_advice_have_one_limit_of_formate() -> None:
 
 def test_a_diameter_for_the_radius_is_told_of_itself() -> None:
     blank = blanks(drawn())
-    (text,) = proportion_warnings(blank, 152.4)
+    (text,) = proportion_warnings(ToothProportions.of(blank, 152.4, generated_gear=True))
     assert "cutter_radius = 152.4 mm" in text
     assert "not the diameter" in text
-    assert list(proportion_warnings(blank, 76.2)) == []
+    assert list(proportion_warnings(ToothProportions.of(blank, 76.2, generated_gear=True))) == []
 
 
 @pytest.mark.thorough

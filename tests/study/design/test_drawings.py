@@ -15,6 +15,7 @@ from easeoff.cases import Design, designed_blanks, parse_design, read_case
 from easeoff.cases.conversion import spiral_angle_difference
 from easeoff.cases.schema.blank_design_table import BlankDesignTable
 from easeoff.cases.schema.case_schema import PairTable
+from easeoff.geometry.design.tooth_proportions import ToothProportions
 from easeoff.study import design_case
 from easeoff.study.cli.case_run import basic_data_lines
 from easeoff.study.design import case_design
@@ -176,11 +177,12 @@ def test_proportions_out_of_the_customary_range_are_warned_of() -> None:
     text = AXLE.replace("gear_face_width = 37.0", "gear_face_width = 60.0").replace("48.0", "62.0")
     design, usual = parse_design(text), parse_design(AXLE)
     blank = designed_blanks(design.blank_design, (12, 37), design.pair)
-    face, spiral, *others = proportion_warnings(blank, 50.0)
+    face, spiral, *others = proportion_warnings(ToothProportions.of(blank, 50.0, generated_gear=True))
     assert "gear_face_width = 60 mm is" in face
     assert "the pinion's mean spiral angle of 61.9 degrees is large" in spiral
     assert "cutter_radius = 50 mm is 0.5" in others[-1]
-    assert list(proportion_warnings(designed_blanks(usual.blank_design, (12, 37), usual.pair), 95.25)) == []
+    usual_blank = designed_blanks(usual.blank_design, (12, 37), usual.pair)
+    assert list(proportion_warnings(ToothProportions.of(usual_blank, 95.25, generated_gear=True))) == []
 
 
 def test_another_taper_is_searched_for_where_the_usual_one_has_no_pinion(monkeypatch: pytest.MonkeyPatch) -> None:
