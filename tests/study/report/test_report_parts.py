@@ -327,7 +327,7 @@ def test_the_command_takes_checks_and_wear_beside_results(
     output_of("report", *files, "-o", output)
     data = content(output.read_text(encoding="utf-8"))
     names = {key: [part["name"] for part in data[key]] for key in ("results", "checks", "wear")}
-    assert names == {"results": ["axle"], "checks": ["vh"], "wear": ["wear"]}
+    assert names == {"results": ["drive"], "checks": ["V-H check"], "wear": ["wear"]}
 
 
 def test_a_damaged_check_and_a_sweep_are_one_message(check: xr.Dataset, tmp_path: Path) -> None:
