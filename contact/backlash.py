@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 
 import numpy as np
 import xarray as xr
@@ -19,14 +19,16 @@ from ..core.attributes import labelled, ordered
 from ..core.checks import instance
 from ..core.errors import GeometryError
 from ..geometry.flanks.flank import solve_flank
+from ..geometry.pair.assembly import Misalignment
 from ..geometry.pair.conjugate_motion import ConjugateMotion
 from ..geometry.pair.gear_pair import GearPair, Member, PairGeometry, pair_geometry, spiral_cosine, tooth_angles
+from ..geometry.tooth.tooth_flanks import placing_rotation
 from ..geometry.vectors import cross, dot, rotate_z
 from .lines.touching_points import touching_points
 from .lines.turned_flanks import TurnedFlanks
 
 OTHER_NODES = (21, 15)  # of the flanks that do not carry; the gap at a point is exact on any grid
-ERRORS = ("offset", "pinion_axial", "gear_axial", "shaft_angle")
+ERRORS = tuple(each.name for each in fields(Misalignment))
 
 
 def backlash_unknown(pair: GearPair) -> str:
@@ -89,7 +91,7 @@ def backlash(geometry: PairGeometry, unloaded: xr.Dataset) -> xr.Dataset:
     other = pair_geometry(replace(pair, pinion=pair.pinion.from_opposite, gear=pair.gear.from_opposite), OTHER_NODES)
     ratio, pitch, sense = pair.assembly.ratio, pair.assembly.pinion_pitch, geometry.exact.motion.pinion_sense
     designed = replace(pair, pinion=_designed(pair.pinion), gear=_designed(pair.gear))
-    pinion_turn, gear_turn = map(_placing_turn, (designed.pinion, designed.gear), tooth_angles(designed))
+    pinion_turn, gear_turn = map(placing_rotation, (designed.pinion, designed.gear), tooth_angles(designed))
     rolled, envelope, points = _carrying(unloaded, pitch)
     gap = geometry.ease_off.attrs["first_contact_rad"] + envelope
     # The other flanks drive in the other sense, from where their own machines cut them.
@@ -121,12 +123,6 @@ def backlash(geometry: PairGeometry, unloaded: xr.Dataset) -> xr.Dataset:
 def _designed(member: Member) -> Member:
     """The member without a deviation, which does not turn its teeth."""
     return replace(member, loaded=member.loaded.designed)
-
-
-def _placing_turn(member: Member, tooth_angle: float) -> float:
-    """Rotation about its axis [rad] that takes the other flank of a member from its machine to the tooth."""
-    turn, as_cut = member.middle_angle()
-    return turn * (tooth_angle - as_cut)
 
 
 def _carrying(unloaded: xr.Dataset, pitch: float) -> tuple[Array, Array, Array]:

@@ -53,9 +53,14 @@ def placed_flanks(member: Member, tooth_angle: float) -> dict[Side, PlacedFlank]
     """
     loaded = PlacedFlank(member.section, member.loaded)
     opposite = PlacedFlank(member.section, member.other)
+    placed = replace(opposite, rotation=placing_rotation(member, tooth_angle))
+    return {side(member.loaded): loaded, side(opposite.surface): placed}
+
+
+def placing_rotation(member: Member, tooth_angle: float) -> float:
+    """Rotation of the flank that is not loaded from its machine to the tooth of an angular thickness [rad]."""
     turn, as_cut = member.middle_angle()
-    rotation = float(np.mod(turn * (tooth_angle - as_cut) + np.pi, 2.0 * np.pi) - np.pi)
-    return {side(member.loaded): loaded, side(opposite.surface): replace(opposite, rotation=rotation)}
+    return float(np.mod(turn * (tooth_angle - as_cut) + np.pi, 2.0 * np.pi) - np.pi)
 
 
 def named_member(pair: GearPair, name: str) -> Member:
